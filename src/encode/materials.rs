@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::media;
+use super::{media, volumes};
 use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind, Relief, SurfaceMaterial};
@@ -50,7 +50,8 @@ pub(crate) fn records(scene: &Scene) -> Vec<MaterialRecord> {
             records[at].kind_and_flags |= flags & (constants::MATERIAL_HOLES | constants::MATERIAL_LETS_THROUGH);
         }
     }
-    records.extend(scene.media.all.iter().map(media::record));
+    let volumes = volumes::numbers(&scene.media);
+    records.extend(scene.media.all.iter().zip(volumes).map(|(medium, volumes)| media::record(medium, volumes)));
     records
 }
 
@@ -68,6 +69,9 @@ pub(crate) fn features(scene: &Scene) -> u32 {
     if scene.emitters.iter().map(|emitter| emitter.radiance.texture).chain(pictures).any(|texture| texture.is_some()) {
         features |= constants::FEATURE_TEXTURED_EMITTERS;
     }
+    let media = &scene.media.all;
+    features |= if media.iter().any(|medium| medium.volumes.is_some()) { constants::FEATURE_VOLUMES } else { 0 };
+    features |= if media.iter().any(|medium| medium.emission != Vec3::ZERO) { constants::FEATURE_GLOW } else { 0 };
     features
 }
 

@@ -2,15 +2,19 @@
 
 use glam::Vec3;
 
+use super::volumes::VolumeNumbers;
 use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
-use crate::scene::{Boundary, Media, Medium, PhaseLobe, Primitive, Scene};
+use crate::scene::{Boundary, Media, Medium, PhaseLobe, Primitive, Scene, Volume};
 
-/// Record of a medium.
-pub(crate) fn record(medium: &Medium) -> MaterialRecord {
+/// Record of a medium, which has `VolumeNumbers` of volumes.
+pub(crate) fn record(medium: &Medium, volumes: VolumeNumbers) -> MaterialRecord {
     let mut record = MaterialRecord {
         kind_and_flags: constants::BSDF_PHASE,
-        material1_or_relief: constants::NONE,
+        material0: volumes.extinction,
+        material1_or_relief: volumes.albedo,
+        coating_specular: medium.emission.into(),
+        media: volumes.emission,
         links: [[constants::NONE; 4]; 2],
         ..bytemuck::Zeroable::zeroed()
     };
@@ -42,6 +46,12 @@ pub(crate) fn word(boundary: &Boundary) -> u32 {
     number(boundary.interior) | number(boundary.exterior) << constants::EXTERIOR_MEDIUM_SHIFT
 }
 
+/// Box outside of which a medium has no particles.
+fn volume_box(medium: &Medium) -> (Vec3, Vec3) {
+    let bounds = medium.volumes.as_ref().map(|volumes| volumes.extinction.bounds());
+    bounds.map_or((Vec3::NEG_INFINITY, Vec3::INFINITY), |(min, max)| (min.as_vec3(), max.as_vec3()))
+}
+
 /// Boxes that hold the media of a scene, as (minimum, maximum): for each medium the box of the surfaces that bound it, and everything
 /// where the camera is in one.
 pub fn boxes(scene: &Scene) -> Vec<(Vec3, Vec3)> {
@@ -70,5 +80,19 @@ pub fn boxes(scene: &Scene) -> Vec<(Vec3, Vec3)> {
             add(primitive, scene.placed_box(instance, primitive.bounds()));
         }
     }
-    boxes.into_iter().flatten().collect()
+    let within = all.iter().map(volume_box);
+    let boxes = boxes.into_iter().zip(within).filter_map(|(found, within)| {
+        let ((min, max), (low, high)) = (found?, within);
+        Some((min.max(low), max.min(high)))
+    });
+    boxes.filter(|(min, max)| min.cmple(*max).all()).collect()
+}
+
+/// Largest radiance that a medium can emit.
+pub(crate) fn brightest(media: &Media) -> f32 {
+    let of = |medium: &Medium| {
+        let volume = medium.volumes.as_ref().and_then(|volumes| volumes.emission.as_ref());
+        (medium.emission * volume.map_or(Vec3::ONE, Volume::most)).max_element()
+    };
+    media.all.iter().map(of).fold(0.0, f32::max)
 }

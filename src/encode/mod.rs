@@ -12,3 +12,4 @@ pub(crate) mod plastics;
 pub mod query_geometry;
 pub mod surfaces;
 pub mod textures;
+pub(crate) mod volumes;

@@ -27,6 +27,9 @@ pub struct Counts {
     /// Shadow rays through more surfaces than the kernels follow. Their light is missing.
     #[serde(default)]
     pub cut_shadow_rays: u64,
+    /// Rays through more of a medium's grid than the kernels follow. Their light is missing.
+    #[serde(default)]
+    pub cut_flights: u64,
 }
 
 impl Counts {
@@ -45,6 +48,7 @@ impl Counts {
             nonfinite: at(kernels::COUNTER_NONFINITE),
             overruns: at(kernels::COUNTER_OVERRUNS),
             cut_shadow_rays: at(kernels::COUNTER_CUT_SHADOW_RAYS),
+            cut_flights: at(kernels::COUNTER_CUT_FLIGHTS),
         }
     }
 
@@ -60,6 +64,7 @@ impl Counts {
         self.nonfinite = self.nonfinite.saturating_add(other.nonfinite);
         self.overruns = self.overruns.saturating_add(other.overruns);
         self.cut_shadow_rays = self.cut_shadow_rays.saturating_add(other.cut_shadow_rays);
+        self.cut_flights = self.cut_flights.saturating_add(other.cut_flights);
     }
 
     /// Share of the scattered rays that met light (the paper's Fig. 7a).

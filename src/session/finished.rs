@@ -24,7 +24,8 @@ impl Finished {
         let profiled = running.write_profile();
         warn_of_nonfinite(running.history().counts.nonfinite, watch);
         let cut = warning_of_cut_shadow_rays(running.history().counts.cut_shadow_rays);
-        cut.iter().for_each(|warning| watch.warn(warning));
+        let cut = cut.into_iter().chain(warning_of_cut_flights(running.history().counts.cut_flights));
+        cut.for_each(|warning| watch.warn(&warning));
         let validated = tell_validation(running, watch);
         let (profile, profiled) = match profiled {
             Ok(profile) => (profile, Ok(())),
@@ -147,9 +148,25 @@ fn warning_of_cut_shadow_rays(count: u64) -> Option<String> {
     })
 }
 
+/// Warning of rays through more of a medium's grid than the kernels follow, which make the picture too dark.
+fn warning_of_cut_flights(count: u64) -> Option<String> {
+    (count > 0).then(|| {
+        format!(
+            "{count} rays met more blocks and particles of a medium's grid than kernels follow: their light is missing; \
+             a smaller `scale` of the medium helps"
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::warning_of_cut_shadow_rays;
+    use super::{warning_of_cut_flights, warning_of_cut_shadow_rays};
+
+    #[test]
+    fn cut_flights_are_told() {
+        assert_eq!(warning_of_cut_flights(0), None);
+        assert!(warning_of_cut_flights(8).is_some_and(|warning| warning.starts_with("8 rays met")));
+    }
 
     #[test]
     fn cut_shadow_rays_are_told() {

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use support::volumes;
 
 /// Mesh with normals and texture coordinates.
 struct Mesh {
@@ -142,6 +143,9 @@ pub fn write(folder: &Path) {
         for (suffix, factor) in [("", 1.0), ("-thicker", 1.02), ("-thick", 1.4)] {
             write(&format!("{name}{suffix}.txt"), curves(points, factor).as_bytes());
         }
+    }
+    for (name, channels) in [("smoke", 1), ("tinted", 3)] {
+        write(&format!("{name}.vol"), &volumes::file([13, 11, 12], &volumes::smoke([13, 11, 12], channels)));
     }
     write_images(folder);
 }

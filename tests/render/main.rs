@@ -13,6 +13,7 @@ mod device;
 mod differences;
 mod drivers;
 mod execution;
+mod grids;
 mod guide_from;
 mod guide_set;
 mod instances;

@@ -43,7 +43,7 @@ pub fn look_up_after(
     tables: Vec<u32>,
 ) -> Vec<TextureOutput> {
     let device = Device::new();
-    let packed = PackedTextures::new(textures, images, tables);
+    let packed = PackedTextures::new(textures, images, &[], tables).0;
     let pages = packed.words.pages();
     let variant = Variant {
         texture_kinds: packed.kinds,

@@ -227,7 +227,7 @@ fn pages() {
     let images = [bytes(side, 2 * side - 1, true, 11), bytes(7, 5, true, 1), bytes(side, 2 * side - 1, true, 12)];
     let textures: Vec<_> =
         (0..3).map(|image| bitmap(image, TexelFilter::Bilinear, WrapMode::Repeat, Mat3::IDENTITY)).collect();
-    let packed = PackedTextures::new(&textures, &images, vec![0; 100]);
+    let packed = PackedTextures::new(&textures, &images, &[], vec![0; 100]).0;
     assert_eq!(packed.words.pages().len(), 3, "{:?}", packed.records);
     if Device::new().has_room("pages", packed.words.longest_page() * 4, 4) {
         compare(&textures, &images, &points(13, 2000), 0.0).unwrap();

@@ -1,9 +1,11 @@
 //! Media and phase functions: parameters, defaults, sides, and what is refused.
 
-use glam::Vec3;
-use lodestar::scene::{Boundary, Phase, PhaseLobe, Scene};
+use glam::{DVec3, Vec3};
+use lodestar::Result;
+use lodestar::scene::{AlbedoVolume, Boundary, Phase, PhaseLobe, Scene, VolumeWrap};
+use support::volumes;
 
-use super::{Folder, load_body};
+use super::{Folder, load_body, with_sensor};
 
 fn medium(inside: &str) -> lodestar::scene::Medium {
     let scene = load_body(&format!(
@@ -99,4 +101,83 @@ fn a_scene_for_path_is_told_that_its_media_are_rendered() {
     let body = "<integrator type='path'/><shape type='sphere'><medium name='interior' type='homogeneous'/></shape>";
     let warnings = load_body(body).expect("a scene").warnings;
     assert!(warnings.iter().any(|warning| warning.contains("`path` leaves media out")), "{warnings:?}");
+}
+
+/// Medium of a sphere that is a grid, with `smoke.vol` and `colors.vol` of 2 x 1 x 1 voxels beside it.
+fn grid(inside: &str) -> Result<Scene> {
+    let text = with_sensor(&format!(
+        "<shape type='sphere'><bsdf type='null'/><medium name='interior' type='heterogeneous'>{inside}</medium></shape>"
+    ));
+    let folder = Folder::new(&[("scene.xml", &text)]);
+    folder.write("smoke.vol", &volumes::file([2, 1, 1], &[0.5, 2.0]));
+    folder.write("colors.vol", &volumes::file([2, 1, 1], &[0.1, 0.2, 0.3, 0.4, 0.5, 1.0]));
+    folder.write("holes.vol", &volumes::file([2, 1, 1], &[f32::NAN, 1.0]));
+    folder.write("cut.vol", &volumes::file([2, 2, 1], &[0.5, 2.0]));
+    folder.load(&[])
+}
+
+fn volume(name: &str, file: &str, more: &str) -> String {
+    format!("<volume name='{name}' type='gridvolume'><string name='filename' value='{file}'/>{more}</volume>")
+}
+
+#[test]
+fn grids_have_the_parameters_of_mitsuba() {
+    let scaled = "<transform name='to_world'><scale value='4'/></transform>";
+    let inside = volume("sigma_t", "smoke.vol", scaled)
+        + &volume(
+            "albedo",
+            "colors.vol",
+            "<string name='wrap_mode' value='repeat'/><string name='filter_type' value='nearest'/>",
+        )
+        + "<float name='scale' value='3'/>";
+    let medium = grid(&inside).expect("a scene").media.all[0].clone();
+    assert_eq!((medium.extinction, medium.albedo), (Vec3::splat(3.0), Vec3::ONE));
+    let volumes = medium.volumes.expect("volumes");
+    let extinction = volumes.extinction;
+    assert_eq!((extinction.size.to_array(), &extinction.values[..]), ([2, 1, 1], &[0.5, 2.0][..]));
+    assert_eq!((extinction.wrap, extinction.is_nearest, extinction.has_colors), (VolumeWrap::Clamp, false, false));
+    assert_eq!(extinction.bounds().1.to_array(), [4.0; 3]);
+    let Some(AlbedoVolume::Share(albedo)) = volumes.albedo else { panic!("no grid of albedo") };
+    assert_eq!((albedo.wrap, albedo.is_nearest, albedo.has_colors), (VolumeWrap::Repeat, true, true));
+    // A color stands for a `constvolume`, which fills the unit cube.
+    let constant = grid("<float name='sigma_t' value='5'/>").expect("a scene").media.all[0].clone();
+    let bounds = constant.volumes.map(|volumes| (volumes.extinction.bounds(), volumes.extinction.most()));
+    assert_eq!(bounds, Some(((DVec3::ZERO, DVec3::ONE), Vec3::splat(5.0))));
+    // Mitsuba 0.6 has a density.
+    let old =
+        volume("density", "smoke.vol", "") + "<rgb name='sigmaA' value='1,2,0'/><rgb name='sigmaS' value='3,2,0'/>";
+    let old = grid(&old).expect("a scene").media.all[0].clone();
+    assert_eq!((old.extinction, old.albedo), (Vec3::new(4.0, 4.0, 0.0), Vec3::new(0.75, 0.5, 0.0)));
+}
+
+#[test]
+fn bad_grids_are_refused_in_a_sentence() {
+    for (inside, says) in [
+        (volume("sigma_t", "none.vol", ""), "the volume `none.vol` does not exist"),
+        (volume("sigma_t", "scene.xml", ""), "`scene.xml` is no `.vol` file"),
+        (volume("sigma_t", "holes.vol", ""), "`holes.vol` has a value that is no finite number"),
+        (volume("sigma_t", "cut.vol", ""), "`cut.vol` has 0 channels"),
+        (volume("albedo", "smoke.vol", ""), "the `albedo` of a medium must not exceed 1, as 2 does"),
+        (
+            volume("sigma_t", "smoke.vol", "<float name='scale' value='1'/>") + "<float name='scale' value='2e38'/>",
+            "exceeds the range",
+        ),
+        (
+            volume("sigma_t", "smoke.vol", "<string name='wrap_mode' value='torus'/>"),
+            "`wrap_mode` of a volume should be",
+        ),
+        (
+            volume("sigma_t", "smoke.vol", "<string name='filter_type' value='cubic'/>"),
+            "`filter_type` of a volume should be",
+        ),
+        (
+            volume("sigma_t", "smoke.vol", "<transform name='to_world'><scale x='0'/></transform>"),
+            "the `to_world` of a volume flattens it",
+        ),
+        ("<volume name='sigma_t' type='fog'/>".to_owned(), "volume plugin `fog` is not supported"),
+        ("<float name='sigma_a' value='1'/>".to_owned(), "`sigma_a` of `heterogeneous` is not supported"),
+    ] {
+        let message = grid(&inside).map(drop).expect_err(says).to_string();
+        assert!(message.contains(says) && !message.contains('\n'), "{inside}: {message}");
+    }
 }

@@ -86,7 +86,7 @@ fn unknown_plugins_are_named_with_what_there_is() {
         refuse(body, &[name, "not supported", known]);
     }
     refuse_text("<scene>\n<sensor type=\"fisheye\"/></scene>", &["scene.xml:2: ", "`fisheye`", "`perspective`"]);
-    refuse(r#"<medium type="heterogeneous"/>"#, &["medium plugin `heterogeneous`", "`homogeneous`"]);
+    refuse(r#"<medium type="smoke"/>"#, &["medium plugin `smoke`", "`homogeneous`", "`heterogeneous`"]);
     refuse("<teapot/>", &["<teapot>"]);
     refuse(r#"<bsdf type="null"><medium type="homogeneous"/></bsdf>"#, &["<medium>", "bsdf `null`"]);
 }

@@ -6,6 +6,7 @@
 #include "generated/lights.glsl"
 #include "generated/material.glsl"
 #include "generated/texture.glsl"
+#include "generated/volume.glsl"
 #include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
@@ -50,6 +51,7 @@ struct SceneConstants {
     uint first_medium;               // record of the first medium among those of the materials
     uint camera_medium;              // number of the medium around the camera, counted from 1; 0 without one
     uint camera_motion;              // first texel of the camera's motion among those of the primitives
+    uint first_volume;               // first texel of the volumes among those of the materials
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
@@ -87,6 +89,10 @@ uvec4 material_texel(uint material, uint texel) {
     return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
 }
 
+uvec4 volume_texel(uint volume, uint texel) {
+    return texelFetch(materials, int(scene().first_volume + volume * VOLUME_TEXELS + texel));
+}
+
 // Texel of the emitter buffer, which holds first the emitters, then the lights, delta lights, the environment's table and map, and
 // the groups of lights.
 uvec4 fetch_emitter_texel(uint texel) {
@@ -108,6 +114,10 @@ uint paged_texel_word(uint page, uint index) {
 #else
 uvec4 material_texel(uint material, uint texel) {
     return materials[material * MATERIAL_TEXELS + texel];
+}
+
+uvec4 volume_texel(uint volume, uint texel) {
+    return materials[scene().first_volume + volume * VOLUME_TEXELS + texel];
 }
 
 uvec4 fetch_emitter_texel(uint texel) {

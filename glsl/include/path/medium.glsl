@@ -1,4 +1,4 @@
-// Homogeneous media between surfaces: fog, milk, wax. A path knows the number of the medium that it is in, counted from 1; 0 is empty
+// Media between surfaces: fog, milk, wax. Media that are grids follow in tracking.glsl. A path knows the number of the medium that it is in, counted from 1; 0 is empty
 // space. A surface that bounds media tells the number on each of its sides.
 //
 // Free flight: a path chooses a color channel in proportion to its throughput, and flies as far as this channel's extinction has it. The
@@ -93,14 +93,13 @@ float flight_distance(uint medium, vec3 throughput, RandomKey key, uint vertex) 
     return min(exponential_sample(bits.xy) / max(chosen, 1.0e-37), MAX_DISTANCE);
 }
 
-// Factor of a path's throughput over a flight that ended at a particle, which scatters it, or before at a surface or nowhere.
+// Factor of a path's throughput over a flight that ended at a particle, whose albedo is not part of it, or before at a surface or nowhere.
 vec3 flight_weight(uint medium, vec3 throughput, float distance, bool scatters) {
     vec3 extinction = extinction_of(medium);
     vec3 density = transmittance(extinction, distance);
     if (scatters) density *= extinction;
     float mean = dot(channel_shares(throughput), density);
-    vec3 weight = mean > 0.0 ? density / mean : vec3(0.0);
-    return scatters ? weight * albedo_of(medium) : weight;
+    return mean > 0.0 ? density / mean : vec3(0.0);
 }
 
 // Point of a medium, as a surface without extent, material and normal.

@@ -5,6 +5,7 @@
 #include "path/connection.glsl"
 #include "path/medium.glsl"
 #include "path/straight.glsl"
+#include "path/tracking.glsl"
 
 // Ray to a light, on its way through surfaces.
 struct Passage {
@@ -13,14 +14,27 @@ struct Passage {
     uint medium; // number of the medium that the ray travels in
     uint left;   // surfaces that the ray may still cross
     bool more;   // the ray has not arrived
+    RandomStream stream;  // random numbers of the way through grids
 };
+
+// Multiplies the share by what the medium lets through over a distance of the ray.
+void cross_medium(inout Passage passage, float distance) {
+    if (!has_media()) return;
+    if (is_volume(passage.medium)) {
+        Ray ray = passage.ray;
+        ray.t_max = distance;
+        passage.share *= tracked_transmittance(passage.medium, ray, passage.stream);
+    } else {
+        passage.share *= transmittance_of(passage.medium, distance);
+    }
+}
 
 // Moves the ray behind a surface, and aims it at the light again.
 void cross_surface(inout Passage passage, Hit hit, vec3 target, bool is_bound) {
     Ray ray = passage.ray;
     Surface surface = surface_at(ray, hit);
-    if (has_media()) passage.share *= transmittance_of(passage.medium, hit.t);
     if (has_flag(surface.material, MATERIAL_LETS_THROUGH)) {
+        cross_medium(passage, hit.t);
         passage.share *= straight_share(surface, -ray.direction);
     } else {
         passage.share = vec3(0.0);
@@ -47,9 +61,10 @@ void cross_surface(inout Passage passage, Hit hit, vec3 target, bool is_bound) {
 // Share of a light that arrives along a shadow ray which leaves a path's vertex, in a medium, after `depth` edges. The connection is an edge,
 // and so is what follows each surface that it crosses. It has no more edges than a path may have. Where paths have no maximum,
 // a ray that reaches the bound of the kernels is counted.
-vec3 share_that_passes(Ray ray, uint medium, uint depth, inout bool overrun) {
+vec3 share_that_passes(Ray ray, uint medium, RandomKey key, uint depth, inout bool overrun) {
     vec3 target = ray.origin + ray.t_max * ray.direction;
-    Passage passage = Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true);
+    Passage passage = Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true, RandomStream(uvec4(1u)));
+    if (has_volumes()) passage.stream = random_stream(key, depth, RANDOM_SHADOW);
     bool is_bound = SURE_ROULETTE_DEPTH != NONE;
     // Most rays meet no surface that lets light through. The first traversal takes any surface, the others the nearest ones.
     bool any_hit = true;
@@ -58,7 +73,7 @@ vec3 share_that_passes(Ray ray, uint medium, uint depth, inout bool overrun) {
         --turns;
         Hit hit = traverse(passage.ray, any_hit, overrun);
         if (hit.primitive == NONE) {
-            if (has_media()) passage.share *= transmittance_of(passage.medium, passage.ray.t_max);
+            cross_medium(passage, passage.ray.t_max);
             passage.more = false;
         } else if (!any_hit) {
             cross_surface(passage, hit, target, is_bound);
@@ -75,8 +90,8 @@ vec3 share_that_passes(Ray ray, uint medium, uint depth, inout bool overrun) {
 
 // Multiplies a connection's light, and what it teaches, by the share that surfaces and media let through. The connection leaves a path's
 // vertex, in a medium, after `depth` edges.
-void pass_connection(inout Connection connection, uint medium, uint depth, inout bool overrun) {
-    vec3 share = share_that_passes(connection.ray, medium, depth, overrun);
+void pass_connection(inout Connection connection, uint medium, RandomKey key, uint depth, inout bool overrun) {
+    vec3 share = share_that_passes(connection.ray, medium, key, depth, overrun);
     if (share == vec3(1.0)) return;
     vec3 arriving = connection.light * share;
     float part = mean_rgb(arriving) / max(mean_rgb(connection.light), 1.0e-37);

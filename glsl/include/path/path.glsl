@@ -30,6 +30,7 @@ struct Path {
     KEPT(guide) float straight_light;
     KEPT(guide) ShareEvidence evidence;  // of the ray's direction
     KEPT(ray) uint medium;   // number of the medium that the ray travels in
+    vec3 flown;  // weight of the ray's flight through a grid, albedo excluded
     PathVertex last_vertex;  // for learners that keep vertices
 };
 
@@ -77,6 +78,7 @@ Path new_path(RandomKey key) {
     path.pdf = 0.0;
     forget_straight(path);
     path.medium = NO_MEDIUM;
+    path.flown = vec3(1.0);
     path.pixel_estimate = 0.0;
     path.last_vertex = NO_VERTEX;
     return path;

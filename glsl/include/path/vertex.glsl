@@ -164,22 +164,27 @@ float shade_place(inout Path path, Hit hit, Surface surface, Scatterer scatterer
 FirstHit first_hit_of(uint medium, Surface surface, Scatterer scatterer) {
     float depth = distance(surface.position, camera_position());
     vec3 albedo = bsdf_albedo(scatterer.bsdf);
-    if (has_media() && surface.material == NONE) albedo = albedo_of(medium);
+    if (has_media() && surface.material == NONE) albedo = albedo_at(medium, surface.position);
     return FirstHit(true, FilmFeatures(albedo, depth, surface.shading_normal, 0.0));
 }
 
-// Weights a path by its flight to where its ray has ended.
-void end_flight(inout Path path, vec3 weight) {
+// Adds the light of the medium that a path has flown through, and weights the path by its flight to where its ray has ended.
+void end_flight(inout Path path, Flown flown) {
     if (!has_media()) return;
-    path.throughput *= weight;
-    path.straight_share *= mean_rgb(weight);
+    if (has_feature(FEATURE_GLOW)) {
+        path.radiance += path.throughput * flown.glow;
+        path.straight_light += path.straight_share * mean_rgb(flown.glow);
+    }
+    path.throughput *= flown.weight;
+    path.straight_share *= mean_rgb(flown.weight);
 }
 
 // Weights what a path's vertex gives the segment that leads to it by the flight along the segment.
-void weight_vertex(inout PathVertex vertex, vec3 weight) {
+void weight_vertex(inout PathVertex vertex, Flown flown) {
     if (!has_media()) return;
-    vertex.light *= weight;
-    vertex.factor *= weight;
+    vertex.light *= flown.weight;
+    vertex.factor *= flown.weight;
+    if (has_feature(FEATURE_GLOW)) vertex.light += flown.glow;
 }
 
 // A ray that has met a surface or a point of a medium. Returns the target of its segment.
@@ -202,7 +207,7 @@ float shade_met(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, inou
 // of direction and roulette. Returns the learning target of the segment that the ray has travelled.
 float shade_vertex(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, inout Tally tally) {
     count_ray(tally, path.depth);
-    vec3 flown = weight_of_flight(path, hit);
+    Flown flown = flown_to(path, hit);
     end_flight(path, flown);
     float target;
     if (meets_nothing(path, hit)) {

@@ -67,6 +67,11 @@ uint instances_at() {
     return queue_at(QUEUE_COUNT);
 }
 
+// Words of the weights of flights through grids, three for each slot. They follow those of instances.
+uint flights_at() {
+    return instances_at() + slot_count();
+}
+
 // The counter of paths that travel an edge.
 uint path_counter(uint edge) {
     return 2u * COUNTER_COUNT + edge;
@@ -161,6 +166,19 @@ Hit load_hit(uint slot) {
 void keep_hit(uint slot, Hit hit) {
     store_hit(slot, hit);
     if (HAS_INSTANCES) store_scratch_word(instances_at() + slot, hit.instance);
+}
+
+// Stores the weight of a slot's flight through a grid.
+void keep_flown(uint slot, vec3 flown) {
+    uint at = flights_at() + 3u * slot;
+    store_scratch_word(at, floatBitsToUint(flown.x));
+    store_scratch_word(at + 1u, floatBitsToUint(flown.y));
+    store_scratch_word(at + 2u, floatBitsToUint(flown.z));
+}
+
+vec3 load_flown(uint slot) {
+    uint at = flights_at() + 3u * slot;
+    return uintBitsToFloat(uvec3(load_scratch_word(at), load_scratch_word(at + 1u), load_scratch_word(at + 2u)));
 }
 
 FirstHit load_first_hit(uint slot) {

@@ -31,7 +31,9 @@ const uint RANDOM_ENVIRONMENT = 4u;
 const uint RANDOM_LEARNING = 5u;
 const uint RANDOM_LIGHT = 6u;
 const uint RANDOM_FLIGHT = 7u;
-const uint RANDOM_TIME = 8u;
+const uint RANDOM_SHADOW = 8u;
+const uint RANDOM_AXIS = 10u;
+const uint RANDOM_TIME = 11u;
 
 // Hash of four words (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 uvec4 pcg4d(uvec4 v) {
@@ -117,11 +119,15 @@ RandomStream random_stream(RandomKey key, uint vertex, uint block) {
     return RandomStream(random_bits(key, vertex, block) | uvec4(0u, 0u, 0u, 1u));
 }
 
-float next_random(inout RandomStream stream) {
+uint next_bits(inout RandomStream stream) {
     uvec4 s = stream.state;
     uint t = s.x ^ (s.x << 11u);
     stream.state = uvec4(s.yzw, (s.w ^ (s.w >> 19u)) ^ (t ^ (t >> 8u)));
-    return unit_float(stream.state.w);
+    return stream.state.w;
+}
+
+float next_random(inout RandomStream stream) {
+    return unit_float(next_bits(stream));
 }
 
 #endif

@@ -3,7 +3,9 @@
 #define RECORDS_MATERIAL_GLSL
 
 // BSDF with its modifiers, or a choice between two materials. The files of the folder bsdf say what colors and scalars mean. The records
-// of media follow those of all materials: a phase function, with the extinction as color 1 and the albedo as color 2.
+// of media follow those of all materials: a phase function, with the extinction as color 1 and the albedo as color 2, the volumes that
+// multiply them, or NONE, as material0 and material1_or_relief, the emitted radiance as the coating's specular reflectance, and its volume
+// as the word of media.
 struct MaterialRecord {
     uint kind_and_flags;       // BSDF_* or MATERIAL_BLEND, MATERIAL_SIDES, and MATERIAL_* flags
     uint material0;            // first material of a blend or of two sides

@@ -112,6 +112,20 @@ const uint FEATURE_TEXTURED_EMITTERS = 64u;
 const uint FEATURE_BECKMANN = 128u;
 const uint FEATURE_RELIEF_OUTSIDE = 256u;
 const uint FEATURE_SMOOTH_BASE = 512u;
+// Some medium is a grid.
+const uint FEATURE_VOLUMES = 1024u;
+// Some medium emits light.
+const uint FEATURE_GLOW = 2048u;
+
+// Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
+const uint VOLUME_COLORS = 1u;
+const uint VOLUME_NEAREST = 2u;
+// Beyond its border a volume goes on with its outermost voxels, repeats or mirrors itself with one of these flags; it is 0 without them.
+const uint VOLUME_CLAMP = 4u;
+const uint VOLUME_REPEAT = 8u;
+const uint VOLUME_MIRROR = 16u;
+// The volume of a medium's albedo has coefficients of scattering, which are divided by the extinction.
+const uint VOLUME_SCATTERING = 32u;
 
 // Flag in the first word of a texture's record: storage format, filter, wrap mode, and whether the texture transforms
 // the surface's coordinates. An image takes one word per texel for bytes or heights, and two words for halves. TEXTURE_KINDS
@@ -213,6 +227,7 @@ const uint COUNTER_NONFINITE = 6u;
 const uint COUNTER_OVERRUNS = 7u;
 const uint COUNTER_SHADOW_RAYS = 8u;
 const uint COUNTER_CUT_SHADOW_RAYS = 9u;
-const uint COUNTER_COUNT = 10u;
+const uint COUNTER_CUT_FLIGHTS = 10u;
+const uint COUNTER_COUNT = 11u;
 
 #endif

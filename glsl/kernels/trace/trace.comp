@@ -22,7 +22,7 @@ vec3 direct_light(
     if (weakens_light()) {
         uint medium = NO_MEDIUM;
         if (has_media()) medium = medium_beyond(surface, connection.ray.direction, path.medium);
-        pass_connection(connection, medium, path.depth, tally.overrun);
+        pass_connection(connection, medium, path.key, path.depth, tally.overrun);
         evidence = connection.evidence;
         return connection.light;
     }
@@ -56,6 +56,7 @@ void main() {
 
         // 2. Ray: what it hits, and the segment that it has travelled.
         Hit hit = end_of_edge(flight_ray(path), comes_from_camera(path), tally.overrun);
+        if (has_volumes()) fly_to_particle(path, hit);
         Segment travelled = path.segment;
         ShareEvidence evidence = path.evidence;
         path.last_vertex.segment = travelled;

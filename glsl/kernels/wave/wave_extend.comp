@@ -17,12 +17,23 @@ Ray ray_of_slot(uint slot) {
     return load_ray(slot);
 }
 
+// Traces the ray of a slot's path, and keeps what it meets.
+void extend(uint slot, inout bool overrun) {
+    Hit hit = end_of_edge(ray_of_slot(slot), slot_comes_from_camera(slot), overrun);
+    if (has_volumes()) {
+        Path path = load_path(slot);
+        fly_to_particle(path, hit);
+        keep_flown(slot, path.flown);
+    }
+    keep_hit(slot, hit);
+}
+
 void main() {
     bool overrun = false;
     uint place = gl_GlobalInvocationID.x;
     while (place < queue_length()) {
         uint slot = queued_slot(place);
-        if (slot != NONE) keep_hit(slot, end_of_edge(ray_of_slot(slot), slot_comes_from_camera(slot), overrun));
+        if (slot != NONE) extend(slot, overrun);
         place += lane_count();
         if (place >= queue_length()) break;
     }

@@ -20,6 +20,7 @@ vec3 direct_light(
 void shade(uint slot, inout Tally tally) {
     shaded_slot = slot;
     Path path = load_path(slot);
+    if (has_volumes()) path.flown = load_flown(slot);
     Segment travelled = path.segment;
     ShareEvidence evidence = path.evidence;
     uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);

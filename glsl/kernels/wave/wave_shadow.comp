@@ -13,9 +13,8 @@
 #include "path/passage.glsl"
 #include "path/wavefront.glsl"
 
-// Medium in which a slot's connection leaves its vertex.
-uint medium_of_connection(uint slot, vec3 direction) {
-    Path path = load_path(slot);
+// Medium in which a slot's connection leaves its path's vertex.
+uint medium_of_connection(uint slot, Path path, vec3 direction) {
     return medium_beyond(place_of_hit(path, load_hit(slot)), direction, path.medium);
 }
 
@@ -24,8 +23,12 @@ void trace_shadow_ray(uint slot, inout bool overrun) {
     set_moment_of_slot(slot);
     if (weakens_light()) {
         uint medium = NO_MEDIUM;
-        if (has_media()) medium = medium_of_connection(slot, connection.ray.direction);
-        pass_connection(connection, medium, push.edge + 1u, overrun);
+        Path path = new_path(RandomKey(0u, 0u, 0u, 0u, 0u, 0u));
+        if (has_media()) {
+            path = load_path(slot);
+            medium = medium_of_connection(slot, path, connection.ray.direction);
+        }
+        pass_connection(connection, medium, path.key, push.edge + 1u, overrun);
         store_connection_light(slot, connection);
     } else if (traverse(connection.ray, true, overrun).primitive != NONE) {
         block_connection(slot);

@@ -6,6 +6,8 @@ mod programs;
 mod records;
 mod words;
 
+use std::borrow::Cow;
+
 use crate::generated::layout::{TEXEL_BYTES, TextureRecord};
 use crate::scene::texture::{Image, Texture};
 
@@ -26,16 +28,18 @@ pub struct PackedTextures {
 }
 
 impl PackedTextures {
-    /// Packs textures, their programs and the images that they show. The words of `tables` come first.
-    pub fn new(textures: &[Texture], images: &[Image], mut tables: Vec<u32>) -> Self {
+    /// Packs textures, their programs and the images that they show, and grids of words. The words of `tables` come first. Returns
+    /// the address of each grid, too.
+    pub fn new(textures: &[Texture], images: &[Image], grids: &[Cow<[u32]>], mut tables: Vec<u32>) -> (Self, Vec<u32>) {
         let programs = Programs::append(textures, &mut tables);
-        let words = TexelWords::new(tables, images, &records::used_images(textures, images));
-        Self {
+        let (words, addresses) = TexelWords::new(tables, images, &records::used_images(textures, images), grids);
+        let packed = Self {
             records: records::records(textures, images, &words, &programs),
             words,
             kinds: records::kinds(textures, images),
             operations: programs.operations,
-        }
+        };
+        (packed, addresses)
     }
 
     /// Number of 16-byte texels of the largest buffer.

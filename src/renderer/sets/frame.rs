@@ -25,6 +25,9 @@ use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Projection, Scene};
 use crate::settings::{Learner, Settings};
 
+/// Texels of a material's record.
+const MATERIAL_TEXELS: u32 = (size_of::<layout::MaterialRecord>() / layout::TEXEL_BYTES) as u32;
+
 /// Words of the statistics: a low and a high one each.
 const STATISTICS_WORDS: u32 = 2 * kernels::COUNTER_COUNT;
 
@@ -54,13 +57,13 @@ impl Frame {
         settings: &Settings,
     ) -> Result<Self> {
         let wave = wave_buffer(context, settings)?;
-        let Shading { surfaces: Surfaces { materials, textures }, lights } = shading;
+        let Shading { surfaces: surfaces @ Surfaces { textures, .. }, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
         let mut constants = scene_constants(scene, cells, lights, settings);
         constants.camera_motion = bvh.motions.of_camera.map_or(0, |[first, _]| first);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let shape = set_shape(kernels, kernels::FRAME_SET);
-        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape, numbers::MATERIALS))?;
+        let materials = uploaded("materials", &surfaces.material_bytes(), buffer_kind(shape, numbers::MATERIALS))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape, numbers::EMITTERS))?;
         // After the statistics, the lengths of a wave's queues: of paths and of connections, for every edge.
@@ -172,7 +175,7 @@ fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Set
         bounds_min: cells.grid.origin.into(),
         aperture_radius,
         cells_per_unit: cells.grid.per_unit.into(),
-        target_limit: target_limit(lights, settings.learner),
+        target_limit: target_limit(lights.brightest().max(media::brightest(&scene.media)), settings.learner),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
@@ -182,6 +185,7 @@ fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Set
         all_cell_count: cells.all_count(),
         first_medium: scene.materials.len() as u32,
         camera_medium: media::number(scene.media.of_camera),
+        first_volume: (scene.materials.len() + scene.media.all.len()) as u32 * MATERIAL_TEXELS,
         ..bytemuck::Zeroable::zeroed()
     };
     lights.write_constants(&mut constants);
@@ -194,12 +198,12 @@ fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
 }
 
 /// Radiance at which learning targets saturate.
-fn target_limit(lights: &Lights, learner: Learner) -> f32 {
+fn target_limit(brightest: f32, learner: Learner) -> f32 {
     let multiple = match learner {
         Learner::Sarsa | Learner::ExpectedSarsa => TARGET_LIMIT,
         Learner::MonteCarlo => RETURN_LIMIT,
     };
-    match lights.brightest() {
+    match brightest {
         0.0 => multiple,
         // `min` drops a NaN.
         most => (multiple * most).min(MOST_LIMIT),

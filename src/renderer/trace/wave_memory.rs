@@ -8,8 +8,8 @@ use crate::gpu::{Buffer, BufferKind, Context, DeviceInfo};
 use crate::renderer::film_store::pages::padded_pixels;
 use crate::settings::{Execution, Settings};
 
-/// Bytes of a slot, with its word in each queue and the word of the instance that its ray has hit.
-const SLOT_BYTES: u64 = (SLOT_QUADRUPLES as u64 * 4 + QUEUE_COUNT as u64 + 1) * size_of::<u32>() as u64;
+/// Bytes of a slot, with its word in each queue, the word of the instance that its ray has hit, and the weight of its flight.
+const SLOT_BYTES: u64 = (SLOT_QUADRUPLES as u64 * 4 + QUEUE_COUNT as u64 + 1 + 3) * size_of::<u32>() as u64;
 /// Most bytes of a wave, some four million paths. More paths keep a device busy to the end of a wave; on an NVIDIA H100 half as
 /// many cost 4 %, twice as many gained nothing.
 const WAVE_BYTES: u64 = 800 << 20;

@@ -7,6 +7,7 @@ use super::kinds::{Kind, Type};
 use super::origin::{Name, Origin, snake_case};
 use super::transform::Transform;
 use crate::Error;
+use crate::scene::grids::Grid;
 use crate::scene::mesh::Mesh;
 
 /// Parameter under which an object has its mesh in memory, and the plugin of that object.
@@ -100,6 +101,8 @@ pub(in crate::scene) enum Value {
     Animation(Vec<(f64, Transform)>),
     /// Mesh in memory.
     Mesh(Arc<Mesh>),
+    /// Grid of numbers in memory.
+    Grid(Arc<Grid>),
     /// Image file in memory.
     Image(ImageFile),
     /// Object of that id.
@@ -163,7 +166,7 @@ impl Value {
             Self::Animation(_) => Some(Type::Animation),
             Self::Object(object) if object.kind == Kind::Spectrum => Some(Type::Spectrum),
             Self::Fault(fault) => fault.of,
-            Self::Mesh(_) | Self::Reference(_) | Self::Object(_) => None,
+            Self::Mesh(_) | Self::Grid(_) | Self::Reference(_) | Self::Object(_) => None,
         }
     }
 }

@@ -169,6 +169,9 @@ impl Writer<'_> {
                 ("string", self.copy(source)?)
             }
             Value::Mesh(mesh) => ("string", self.mesh(mesh)?),
+            Value::Grid(_) => {
+                return Err(origin.error("media that are grids cannot be converted; render the scene as it is"));
+            }
             Value::Point(numbers) => ("point", joined(numbers)),
             Value::Vector(numbers) => ("vector", joined(numbers)),
             Value::Array(numbers) => ("vector", joined(numbers)),

@@ -1,6 +1,9 @@
 //! Media as objects.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3, UVec3};
 
 use super::colors;
 use super::files::Files;
@@ -11,9 +14,10 @@ use super::tokens::{Place, brief};
 use super::world::{Entity, Sides};
 use crate::Result;
 use crate::scene::description::kinds::Kind;
-use crate::scene::description::make::{nested, object};
+use crate::scene::description::make::{matrix, nested, object};
 use crate::scene::description::object::{Object, Value};
 use crate::scene::faults::Faults;
+use crate::scene::grids::Grid;
 
 /// Media that surfaces border or that the camera is in.
 pub(super) struct Media {
@@ -23,11 +27,12 @@ pub(super) struct Media {
 }
 
 impl Media {
-    /// Makes the objects of the media that are used, each with the place of its first use.
+    /// Makes the objects of the media that are used, each with the place of its first use. `exposure` is a factor of all light.
     pub fn new(
         defined: &HashMap<String, Entity>,
         used: &BTreeMap<String, Place>,
         names: &Names,
+        exposure: f64,
         files: &mut Files,
         faults: &mut Faults,
     ) -> Self {
@@ -38,7 +43,7 @@ impl Media {
                 faults.add(place.error(format!("the medium `{name}` is not defined; define it by MakeNamedMedium")));
                 continue;
             };
-            let Some(made) = faults.keep(medium(name, entity, files)) else { continue };
+            let Some(made) = faults.keep(medium(name, entity, exposure, files)) else { continue };
             let id = names.id(name);
             let label = names.label(&entity.parameters.place, &format!("medium `{}`", brief(name)));
             media.objects.push((label, made.with_id(id.clone())));
@@ -76,37 +81,158 @@ fn is_negative(color: &Parameter) -> bool {
     color.kind == "rgb" && color.numbers().is_ok_and(|numbers| numbers.iter().any(|number| *number < 0.0))
 }
 
-fn medium(name: &str, entity: &Entity, files: &mut Files) -> Result<Object> {
+fn medium(name: &str, entity: &Entity, exposure: f64, files: &mut Files) -> Result<Object> {
     let parameters = &entity.parameters;
-    let name = brief(name);
-    if entity.kind != "homogeneous" {
-        let message =
-            format!("the medium `{name}` of the type `{}` is not supported; use `homogeneous`", brief(&entity.kind));
-        return Err(entity.error(message));
+    if let Some(parameter) = parameters.get("preset") {
+        return Err(parameter.error("of a medium is not supported; give `sigma_a` and `sigma_s`"));
     }
-    for unsupported in ["preset", "Le"] {
-        if let Some(parameter) = parameters.get(unsupported) {
-            return Err(parameter.error("of a medium is not supported; give `sigma_a` and `sigma_s`, and no light"));
+    parameters.ignore(&["type"]);
+    let phase = object(Kind::Phase, "hg", [("g", Value::Float(parameters.number("g", 0.0)?))]);
+    let made = match entity.kind.as_str() {
+        "homogeneous" => homogeneous(entity, exposure, files)?,
+        "uniformgrid" => uniform_grid(entity, exposure, files)?,
+        "rgbgrid" => color_grid(entity, exposure)?,
+        kind => {
+            let (name, kind) = (brief(name), brief(kind));
+            let known = "use `homogeneous`, `uniformgrid` or `rgbgrid`";
+            return Err(entity.error(format!("the medium `{name}` of the type `{kind}` is not supported; {known}")));
         }
+    };
+    Ok(made.with("scale", Value::Float(parameters.number("scale", 1.0)?)).with("phase", nested(phase)))
+}
+
+fn homogeneous(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Object> {
+    let (absorption, scattering) = coefficients(entity, files)?;
+    let factor = exposure * entity.parameters.number("Lescale", 1.0)?;
+    let emission = emission(entity, factor, files)?;
+    let coefficients = [("sigma_a", rgb(absorption)), ("sigma_s", rgb(scattering))];
+    let medium = object(Kind::Medium, "homogeneous", coefficients);
+    Ok(emission.into_iter().fold(medium, |medium, emission| medium.with("emission", rgb(emission))))
+}
+
+/// Medium whose coefficients are multiplied by a grid of densities.
+fn uniform_grid(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Object> {
+    let parameters = &entity.parameters;
+    if let Some(parameter) = parameters.get("temperature") {
+        return Err(parameter.error("of a medium is not supported; give `Le` and `Lescale`"));
     }
-    parameters.ignore(&["Lescale", "type"]);
-    let mut color = |name: &str| match parameters.get(name) {
+    let (absorption, scattering) = coefficients(entity, files)?;
+    let size = size(entity)?;
+    let density = needed(entity, "density")?;
+    let medium = object(
+        Kind::Medium,
+        "heterogeneous",
+        [
+            ("sigma_a", rgb(absorption)),
+            ("sigma_s", rgb(scattering)),
+            ("density", nested(volume(entity, numbers(density, size)?)?)),
+        ],
+    );
+    let Some(emission) = emission(entity, exposure, files)? else { return Ok(medium) };
+    // One voxel, which pbrt interpolates like all others.
+    let factor = match parameters.get("Lescale") {
+        None => Grid::new(UVec3::ONE, false, vec![1.0]).map_err(|message| entity.error(message))?,
+        Some(parameter) => numbers(parameter, size)?,
+    };
+    Ok(medium.with("emission", rgb(emission)).with("emission_factor", nested(volume(entity, factor)?)))
+}
+
+/// Medium with grids of colors in the place of coefficients.
+fn color_grid(entity: &Entity, exposure: f64) -> Result<Object> {
+    let parameters = &entity.parameters;
+    let size = size(entity)?;
+    let voxels = Grid::count(size, 3).map_err(|message| entity.error(format!("the grid {message}")))?;
+    let grid = |name: &str| parameters.get(name).map(|parameter| color_values(parameter, entity, size)).transpose();
+    let (absorption, scattering, emission) = (grid("sigma_a")?, grid("sigma_s")?, grid("Le")?);
+    if absorption.is_none() && scattering.is_none() {
+        return Err(entity.error("the medium has neither `sigma_a` nor `sigma_s`; give at least one of them"));
+    }
+    // As in pbrt, a coefficient that is not given is 1.
+    let values = |grid: &Option<Grid>| grid.as_ref().map(|grid| Arc::clone(&grid.values));
+    let or_one = |grid: &Option<Grid>| values(grid).unwrap_or_else(|| Arc::new(vec![1.0; voxels as usize]));
+    let (absorption, scattering) = (or_one(&absorption), or_one(&scattering));
+    let extinction = absorption.iter().zip(&*scattering).map(|(absorption, scattering)| absorption + scattering);
+    let whole = |values: Vec<f32>| Grid::new(size, true, values).map_err(|message| entity.error(message));
+    let extinction = whole(extinction.collect())?;
+    let medium = object(
+        Kind::Medium,
+        "heterogeneous",
+        [
+            ("sigma_t", nested(volume(entity, extinction)?)),
+            ("sigma_s", nested(volume(entity, whole(scattering.to_vec())?)?)),
+        ],
+    );
+    let factor = exposure * parameters.number("Lescale", 1.0)?;
+    let Some(emission) = emission else { return Ok(medium) };
+    Ok(medium.with("emission", rgb([factor; 3])).with("emission_factor", nested(volume(entity, emission)?)))
+}
+
+/// Coefficients of absorption and of scattering.
+fn coefficients(entity: &Entity, files: &mut Files) -> Result<([f64; 3], [f64; 3])> {
+    let mut color = |name: &str| match entity.parameters.get(name) {
         Some(parameter) if is_negative(parameter) => Err(parameter.error("of a medium must not be negative")),
         Some(parameter) => colors::of_material(parameter, entity.color_space, files),
         None => Ok([1.0; 3]),
     };
-    let (absorption, scattering) = (color("sigma_a")?, color("sigma_s")?);
-    let scale = parameters.number("scale", 1.0)?;
-    let g = parameters.number("g", 0.0)?;
-    let phase = object(Kind::Phase, "hg", [("g", Value::Float(g))]);
-    Ok(object(
-        Kind::Medium,
-        "homogeneous",
-        [
-            ("sigma_a", rgb(absorption)),
-            ("sigma_s", rgb(scattering)),
-            ("scale", Value::Float(scale)),
-            ("phase", nested(phase)),
-        ],
-    ))
+    Ok((color("sigma_a")?, color("sigma_s")?))
+}
+
+/// Emitted radiance, times a factor; `None` where the medium is dark.
+fn emission(entity: &Entity, factor: f64, files: &mut Files) -> Result<Option<[f64; 3]>> {
+    let Some(parameter) = entity.parameters.get("Le") else { return Ok(None) };
+    let color = colors::of_light(parameter, entity.color_space, files)?;
+    Ok(Some(color.map(|channel| channel * factor)))
+}
+
+/// Number of voxels along each axis.
+fn size(entity: &Entity) -> Result<UVec3> {
+    let [x, y, z] = ["nx", "ny", "nz"].map(|name| entity.parameters.integer(name, 1..=i64::from(u32::MAX)));
+    let voxels = |given: Option<i64>| given.unwrap_or(1) as u32;
+    Ok(UVec3::new(voxels(x?), voxels(y?), voxels(z?)))
+}
+
+fn needed<'e>(entity: &'e Entity, name: &str) -> Result<&'e Parameter> {
+    let parameter = entity.parameters.get(name);
+    parameter.ok_or_else(|| entity.error(format!("the medium needs its parameter `{name}`, one number for each voxel")))
+}
+
+/// Grid of the numbers of a parameter.
+fn numbers(parameter: &Parameter, size: UVec3) -> Result<Grid> {
+    let values = parameter.numbers()?.iter().map(|value| *value as f32).collect();
+    Grid::new(size, false, values).map_err(|message| parameter.error(message))
+}
+
+/// Grid of the colors of a parameter.
+fn color_values(parameter: &Parameter, entity: &Entity, size: UVec3) -> Result<Grid> {
+    let values = parameter.numbers()?;
+    let (colors, rest) = values.as_chunks::<3>();
+    if !rest.is_empty() {
+        return Err(parameter.error("should have three numbers for each voxel: some are missing"));
+    }
+    if let Some(value) = values.iter().find(|value| **value < 0.0) {
+        return Err(parameter.error(format!("has the negative value {value}")));
+    }
+    // Other color spaces may make channels negative.
+    let linear = colors.iter().flat_map(|color| entity.color_space.to_srgb(*color));
+    let values = linear.map(|channel| channel.max(0.0) as f32).collect();
+    Grid::new(size, true, values).map_err(|message| parameter.error(message))
+}
+
+/// The grid over the box of the medium. Beyond its border it is 0, as in pbrt.
+fn volume(entity: &Entity, grid: Grid) -> Result<Object> {
+    let corner = |name: &str, default: f64| -> Result<DVec3> {
+        Ok(entity.parameters.point(name)?.map_or(DVec3::splat(default), DVec3::from))
+    };
+    let (one, other) = (corner("p0", 0.0)?, corner("p1", 1.0)?);
+    let (low, high) = (one.min(other), one.max(other));
+    if (high - low).min_element() <= 0.0 {
+        return Err(entity.error("the box of the medium from `p0` to `p1` is flat"));
+    }
+    let to_world = entity.to_world.matrix * DMat4::from_translation(low) * DMat4::from_scale(high - low);
+    let entries = [
+        ("grid", Value::Grid(Arc::new(grid))),
+        ("to_world", matrix(&to_world)),
+        ("wrap_mode", Value::Text("zero".to_owned())),
+    ];
+    Ok(object(Kind::Volume, "gridvolume", entries))
 }

@@ -82,7 +82,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let names = Names::new(path);
     let film = faults.keep(Film::read(&world, &mut warnings));
     let exposure = film.as_ref().map_or(1.0, |film| film.exposure);
-    let media = Media::new(&world.media, &world.used_media, &names, &mut files, &mut faults);
+    let media = Media::new(&world.media, &world.used_media, &names, exposure, &mut files, &mut faults);
     warnings.extend(
         world.used_media.keys().filter_map(|name| world.media.get(name)).flat_map(|medium| medium.parameters.unread()),
     );

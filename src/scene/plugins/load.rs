@@ -34,8 +34,8 @@ use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::{
-    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Primitive,
-    Scene,
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Medium,
+    Primitive, Scene,
 };
 use crate::scene::{texel_pages, whole};
 use crate::{Error, Result};
@@ -455,6 +455,13 @@ impl<'a> Builder<'a> {
             meshes: &meshes,
             image,
         };
+        let media = self.media.list;
+        let counts = images.iter().map(texel_pages::word_count).chain(media.iter().flat_map(Medium::word_counts));
+        let counts: Vec<u64> = counts.collect();
+        if !media.is_empty() && texel_pages::place(&counts).is_none() {
+            let message = "the images and the grids of media fit no device; use fewer voxels or smaller images";
+            return Err(Error::scene(path, None, message));
+        }
         if let Some(colors) = vertex_colors::make(&mut shapes, &context, &mut self.warnings)? {
             images.push(colors);
             if texel_pages::place(&images.iter().map(texel_pages::word_count).collect::<Vec<_>>()).is_none() {
@@ -465,7 +472,8 @@ impl<'a> Builder<'a> {
         delta_emitters.extend(self.projectors.into_iter().map(|projector| projector.finish(&textures, &images)));
         conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
         let (primitives, groups) = flatten_all(&shapes, &groups, &meshes)?;
-        let is_dark = emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
+        let glows = media.iter().any(|medium| medium.emission != Vec3::ZERO);
+        let is_dark = !glows && emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
         if is_dark {
             let message = "the scene has no light, so the picture is black; --environment constant lights it evenly";
             self.warnings.push(format!("{}: {message}", path.display()));
@@ -490,7 +498,7 @@ impl<'a> Builder<'a> {
             instances,
             motions,
             materials,
-            media: Media { all: self.media.list, of_camera: sensor.medium },
+            media: Media { all: media, of_camera: sensor.medium },
             emitters,
             environment: self.environment,
             delta_emitters,

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 use std::ptr;
 
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 
 use super::properties::Properties;
 use super::scope::Scope;
+use super::volumes::{Grids, Varying};
 use crate::Result;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
-use crate::scene::medium::{Boundary, Medium, Phase, PhaseLobe};
+use crate::scene::medium::{AlbedoVolume, Boundary, Medium, Phase, PhaseLobe, Volume, Volumes};
 
 /// Mitsuba's default albedo.
 const DEFAULT_ALBEDO: f32 = 0.75;
@@ -25,11 +26,12 @@ pub(super) struct MediumList<'a> {
     /// Indices by the object's address: each medium is kept once, however many shapes refer to it.
     kept: HashMap<*const Object, u32>,
     pub list: Vec<Medium>,
+    grids: Grids,
 }
 
 impl<'a> MediumList<'a> {
     pub fn new(scope: Scope<'a>) -> Self {
-        Self { scope, kept: HashMap::new(), list: Vec::new() }
+        Self { scope, kept: HashMap::new(), list: Vec::new(), grids: Grids::default() }
     }
 
     /// Index of a medium that a shape or the camera uses.
@@ -37,7 +39,7 @@ impl<'a> MediumList<'a> {
         if let Some(&index) = self.kept.get(&ptr::from_ref(object)) {
             return Ok(index);
         }
-        let medium = read(object, &self.scope, warnings)?;
+        let medium = read(object, &self.scope, &mut self.grids, warnings)?;
         if self.list.len() == MAX_MEDIA {
             return Err(object.error(format!("more than {MAX_MEDIA} media are not supported")));
         }
@@ -73,20 +75,22 @@ impl<'a> MediumList<'a> {
     }
 
     /// Checks a medium, whether or not a shape uses it.
-    pub fn check(&self, object: &'a Object, warnings: &mut Vec<String>) -> Result<()> {
+    pub fn check(&mut self, object: &'a Object, warnings: &mut Vec<String>) -> Result<()> {
         if self.kept.contains_key(&ptr::from_ref(object)) {
             return Ok(());
         }
-        read(object, &self.scope, warnings).map(drop)
+        read(object, &self.scope, &mut self.grids, warnings).map(drop)
     }
 }
 
 /// Reads a `<medium>`.
-fn read<'a>(object: &'a Object, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<Medium> {
+fn read<'a>(object: &'a Object, scope: &Scope<'a>, grids: &mut Grids, warnings: &mut Vec<String>) -> Result<Medium> {
     let mut properties = Properties::new(object, scope)?;
-    if properties.plugin() != "homogeneous" {
-        return Err(object.unsupported(&["homogeneous"]));
-    }
+    let varies = match properties.plugin() {
+        "homogeneous" => false,
+        "heterogeneous" => true,
+        _ => return Err(object.unsupported(&["homogeneous", "heterogeneous"])),
+    };
     let phase = match properties.object(Kind::Phase)? {
         Some(phase) => read_phase(phase, scope, warnings)?,
         None => Phase::isotropic(),
@@ -96,19 +100,96 @@ fn read<'a>(object: &'a Object, scope: &Scope<'a>, warnings: &mut Vec<String>) -
     if scale < 0.0 {
         return Err(location.error(format!("`scale` of a medium must not be negative, but is {scale}")));
     }
-    let (extinction, albedo) = coefficients(&mut properties, scope, warnings)?;
-    let extinction = extinction * scale;
-    if !extinction.is_finite() {
+    // No plugin of Mitsuba 3.9 has it; pbrt's media do.
+    let emission = properties.emission("emission")?.unwrap_or(Vec3::ZERO);
+    let Coefficients { extinction, albedo, volumes } = match varies {
+        true => varying_coefficients(&mut properties, scale, scope, grids, warnings)?,
+        false => {
+            let (extinction, albedo) = coefficients(&mut properties, scope, warnings)?;
+            Coefficients { extinction: extinction * scale, albedo, volumes: None }
+        }
+    };
+    let most = volumes.as_ref().map_or(Vec3::ONE, |volumes| volumes.extinction.most());
+    if !(extinction * most).is_finite() {
         return Err(object.error("the extinction of the medium exceeds the range of single-precision numbers"));
     }
     // They choose how Mitsuba samples.
     properties.ignore(&["sample_emitters", "has_spectral_extinction", "emission_sampling_weight"]);
     properties.finish(warnings)?;
     let name = object.id.clone().unwrap_or_else(|| format!("{} at {}", object.plugin, object.origin.brief()));
-    Ok(Medium { name, extinction, albedo, phase })
+    Ok(Medium { name, extinction, albedo, phase, emission, volumes })
 }
 
-/// Extinction before its scale, and albedo. Mitsuba 0.6 has the coefficients of absorption and of scattering in their place.
+/// Coefficients of a medium: numbers, and what multiplies them.
+struct Coefficients {
+    extinction: Vec3,
+    albedo: Vec3,
+    volumes: Option<Volumes>,
+}
+
+/// Coefficients of `heterogeneous`. A color in the place of `sigma_t` stands for a `constvolume`, which fills the unit cube. Mitsuba 0.6 has
+/// `density`, a factor of coefficients that are the same everywhere.
+fn varying_coefficients<'a>(
+    properties: &mut Properties<'a>,
+    scale: f32,
+    scope: &Scope<'a>,
+    grids: &mut Grids,
+    warnings: &mut Vec<String>,
+) -> Result<Coefficients> {
+    let object = properties.owner();
+    let location = properties.location("albedo");
+    let mut varying = |name| grids.varying(properties, name, scope, warnings);
+    let [density, given_extinction, given_albedo, given_scattering, absorption, emission] =
+        ["density", "sigma_t", "albedo", "sigma_s", "sigma_a", "emission_factor"].map(&mut varying);
+    let (density, emission) = (density?, emission?.map(Varying::into_volume));
+    let (given_extinction, given_scattering) = (given_extinction?, given_scattering?);
+    let (mut albedo, albedo_grid) = match given_albedo? {
+        None => (None, None),
+        Some(Varying::Constant(albedo, _)) => (Some(albedo), None),
+        Some(Varying::Grid(grid)) => (None, Some(grid)),
+    };
+    let most = albedo.or(albedo_grid.as_ref().map(Volume::most)).unwrap_or_default().max_element();
+    if most > 1.0 {
+        return Err(location.error(format!("the `albedo` of a medium must not exceed 1, as {most} does")));
+    }
+    let mut albedo_volume = albedo_grid.map(AlbedoVolume::Share);
+    if albedo_volume.is_some() {
+        albedo = Some(Vec3::ONE);
+    }
+    let (extinction, albedo, volume) = match (density, absorption?) {
+        (Some(density), absorption) => {
+            let constant = |varying: Option<Varying>| match varying {
+                Some(Varying::Constant(value, _)) => Ok(Some(value)),
+                Some(Varying::Grid(_)) => {
+                    Err(object.error("beside `density`, the coefficients of a medium are colors"))
+                }
+                None => Ok(None),
+            };
+            let of_all = [given_extinction, absorption, given_scattering].map(constant);
+            let [extinction, absorption, scattering] = of_all;
+            let (extinction, albedo) = combined(object, extinction?, albedo, absorption?, scattering?)?;
+            (extinction, albedo, density.into_volume())
+        }
+        (None, None) => {
+            let extinction = given_extinction.unwrap_or(Varying::Constant(Vec3::ONE, DMat4::IDENTITY));
+            if let Some(scattering) = given_scattering {
+                if albedo.is_some() {
+                    return Err(object.error("a medium has an `albedo` or `sigma_s`, not both"));
+                }
+                albedo = Some(Vec3::splat(scale));
+                albedo_volume = Some(AlbedoVolume::Scattering(scattering.into_volume()));
+            }
+            (Vec3::ONE, albedo.unwrap_or(Vec3::splat(DEFAULT_ALBEDO)), extinction.into_volume())
+        }
+        (None, Some(_)) => {
+            return Err(object.error("`sigma_a` of `heterogeneous` is not supported; give `sigma_t` and `albedo`"));
+        }
+    };
+    let volumes = Volumes { extinction: volume, albedo: albedo_volume, emission };
+    Ok(Coefficients { extinction: extinction * scale, albedo, volumes: Some(volumes) })
+}
+
+/// Extinction before its scale, and albedo, of a homogeneous medium.
 fn coefficients<'a>(
     properties: &mut Properties<'a>,
     scope: &Scope<'a>,
@@ -119,22 +200,31 @@ fn coefficients<'a>(
     let mut color = |name| color_or_volume(properties, name, scope, warnings);
     let (extinction, albedo) = (color("sigma_t")?, color("albedo")?);
     let (absorption, scattering) = (color("sigma_a")?, color("sigma_s")?);
+    match albedo.and_then(|albedo| albedo.to_array().into_iter().find(|channel| *channel > 1.0)) {
+        Some(channel) => Err(location.error(format!("the `albedo` of a medium must not exceed 1, as {channel} does"))),
+        None => combined(object, extinction, albedo, absorption, scattering),
+    }
+}
+
+/// Extinction and albedo. Mitsuba 0.6 has the coefficients of absorption and of scattering in their place.
+fn combined(
+    object: &Object,
+    extinction: Option<Vec3>,
+    albedo: Option<Vec3>,
+    absorption: Option<Vec3>,
+    scattering: Option<Vec3>,
+) -> Result<(Vec3, Vec3)> {
     match (absorption, scattering) {
-        (None, None) => {}
+        (None, None) => Ok((extinction.unwrap_or(Vec3::ONE), albedo.unwrap_or(Vec3::splat(DEFAULT_ALBEDO)))),
         (Some(absorption), Some(scattering)) if extinction.is_none() && albedo.is_none() => {
             let extinction = absorption + scattering;
             let albedo = Vec3::select(extinction.cmpgt(Vec3::ZERO), scattering / extinction, Vec3::ZERO);
-            return Ok((extinction, albedo));
+            Ok((extinction, albedo))
         }
         _ => {
             let message = "a medium is given by `sigma_t` and `albedo`, or by both `sigma_a` and `sigma_s`";
-            return Err(object.error(message));
+            Err(object.error(message))
         }
-    }
-    let albedo = albedo.unwrap_or(Vec3::splat(DEFAULT_ALBEDO));
-    match albedo.to_array().into_iter().find(|channel| *channel > 1.0) {
-        Some(channel) => Err(location.error(format!("the `albedo` of a medium must not exceed 1, as {channel} does"))),
-        None => Ok((extinction.unwrap_or(Vec3::ONE), albedo)),
     }
 }
 

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::{DMat4, DVec3, Vec3};
 
@@ -16,6 +17,7 @@ use crate::scene::description::object::{Entry, Object, Value};
 use crate::scene::description::origin::Origin;
 use crate::scene::description::transform::Transform;
 use crate::scene::folders::FoundFile;
+use crate::scene::grids::Grid;
 use crate::scene::spectrum::SpectrumUse;
 
 /// Transforms at points in time.
@@ -265,6 +267,13 @@ impl<'a> Properties<'a> {
         let Value::Mesh(mesh) = &self.get(name)?.entry.value else { return None };
         self.take(name);
         self.scope.mesh_index(mesh)
+    }
+
+    /// Reads a grid in memory; `None` where there is none.
+    pub fn grid(&mut self, name: &str) -> Option<Arc<Grid>> {
+        let Value::Grid(grid) = &self.get(name)?.entry.value else { return None };
+        self.take(name);
+        Some(Arc::clone(grid))
     }
 
     /// Whether a parameter is given, as a value or as a texture.

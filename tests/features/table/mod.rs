@@ -10,6 +10,7 @@ mod media;
 mod passages;
 mod paths;
 mod shapes;
+mod volumes;
 pub mod xml;
 
 use std::fmt;
@@ -152,6 +153,7 @@ pub fn all() -> Vec<Case> {
     curves::add(&mut table);
     passages::add(&mut table);
     media::add(&mut table);
+    volumes::add(&mut table);
     table.0
 }
 

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::Vec3;
-use lodestar::scene::{Boundary, Bsdf, Phase, PhaseLobe};
+use lodestar::scene::{AlbedoVolume, Boundary, Bsdf, Phase, PhaseLobe, VolumeWrap};
 
 use super::{bsdf, load_in, load_text, world};
 use crate::Folder;
@@ -166,7 +166,7 @@ fn what_is_refused() {
         ),
         (
             "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"cloud\"",
-            ":1: the medium `fog` of the type `cloud` is not supported; use `homogeneous`",
+            ":1: the medium `fog` of the type `cloud` is not supported; use `homogeneous`, `uniformgrid` or `rgbgrid`",
         ),
         (
             "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 -2 0 ]",
@@ -206,6 +206,47 @@ fn media_are_those_of_the_interface() {
     let side = |interior, exterior| Some(Boundary { interior, exterior });
     // A shape with the same medium on both sides does not change it.
     assert_eq!(boundaries, [side(None, Some(0)), None, side(Some(0), None)]);
+}
+
+/// A grid of densities and one of colors, each in the space where it is defined.
+#[test]
+fn media_may_be_grids() {
+    let grid = |kind: &str, values: &str| {
+        let fog = format!(
+            "Scale 2 2 2 MakeNamedMedium \"fog\" \"string type\" \"{kind}\" {values} \"integer nx\" 2 \
+             \"point3 p0\" [ 1 0 0 ] \"point3 p1\" [ 0 1 3 ]"
+        );
+        load_text(&format!("Camera \"perspective\" WorldBegin {fog} MediumInterface \"fog\" \"\" Shape \"sphere\""))
+    };
+    let of = |kind: &str, values: &str| grid(kind, values).expect("a scene").media.all[0].clone();
+    let uniform = of(
+        "uniformgrid",
+        "\"float density\" [ 0.5 2 ] \"rgb sigma_s\" [ 3 1 1 ] \"float scale\" 2 \"rgb Le\" [ 1 2 3 ] \"float Lescale\" [ 0 4 ]",
+    );
+    assert_eq!((uniform.extinction, uniform.albedo), (Vec3::new(8.0, 4.0, 4.0), Vec3::new(0.75, 0.5, 0.5)));
+    assert_eq!(uniform.emission, Vec3::new(1.0, 2.0, 3.0));
+    let volumes = uniform.volumes.expect("volumes");
+    assert_eq!((&volumes.extinction.values[..], volumes.extinction.wrap), (&[0.5, 2.0][..], VolumeWrap::Zero));
+    assert_eq!(volumes.extinction.bounds().1.to_array(), [2.0, 2.0, 6.0]);
+    assert_eq!(volumes.emission.map(|emission| emission.values.to_vec()), Some(vec![0.0, 4.0]));
+    let colors = of("rgbgrid", "\"rgb sigma_a\" [ 1 2 3 0 0 0 ] \"rgb sigma_s\" [ 0 1 2 3 4 5 ]");
+    let volumes = colors.volumes.expect("volumes");
+    assert_eq!(&volumes.extinction.values[..], &[1.0, 3.0, 5.0, 3.0, 4.0, 5.0]);
+    let Some(AlbedoVolume::Scattering(scattering)) = volumes.albedo else { panic!("no grid of scattering") };
+    assert_eq!(&scattering.values[..], &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    for (kind, values, says) in [
+        ("uniformgrid", "", "the medium needs its parameter `density`"),
+        ("uniformgrid", "\"float density\" [ 1 2 3 ]", "has 3 numbers, but 2 x 1 x 1 voxels need 2"),
+        ("uniformgrid", "\"float density\" [ 1 -2 ]", "has the negative value -2"),
+        ("uniformgrid", "\"float density\" [ 1 2 ] \"integer ny\" 2147483647 \"integer nz\" 2147483647", "at most"),
+        ("uniformgrid", "\"float density\" [ 1 2 ] \"float temperature\" [ 1 2 ]", "of a medium is not supported"),
+        ("rgbgrid", "", "neither `sigma_a` nor `sigma_s`"),
+        ("rgbgrid", "\"rgb sigma_a\" [ 1 2 ]", "some are missing"),
+        ("rgbgrid", "\"rgb sigma_a\" [ 1 2 3 1 2 -3 ]", "has the negative value -3"),
+    ] {
+        let error = grid(kind, values).expect_err(says);
+        assert!(error.contains(says) && !error.contains('\n'), "{error} lacks {says}");
+    }
 }
 
 /// A number of a parameter that is none of this reader's gives a warning with file and line; options of pbrt give none.

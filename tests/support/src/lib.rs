@@ -21,6 +21,7 @@ pub mod statistics;
 pub mod substances;
 pub mod tier;
 pub mod twins;
+pub mod volumes;
 
 /// Folder of the repository.
 fn repository() -> &'static Path {

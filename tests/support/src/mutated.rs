@@ -28,6 +28,10 @@ pub const WRONG_VERTEX: &str = "the density at the last hole";
 pub const DIMMED_TWICE: &str = "media that dim sampled lights twice";
 pub const OTHER_SIDE: &str = "the medium of the other side";
 pub const OTHER_PHASE: &str = "in media, the density of another phase function";
+/// Mutations: faults of media that are grids.
+pub const GRID_DIMMED_TWICE: &str = "grids that dim sampled lights twice";
+pub const LOW_MAJORANTS: &str = "majorants too low";
+pub const UNWEIGHTED_NULL: &str = "null collisions without a weight";
 /// Mutation: bump maps that are computed have slopes of the wrong sign.
 pub const TILTED_BACK: &str = "computed heights tilt to the wrong side";
 /// Mutations: faults of instances.

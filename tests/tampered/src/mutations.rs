@@ -17,6 +17,8 @@ pub struct Mutation {
 const SLICE: &str = "glsl/include/film/slice.glsl";
 const VERTEX: &str = "glsl/include/path/vertex.glsl";
 const ROULETTE: &str = "glsl/include/path/roulette.glsl";
+const TRACKING: &str = "glsl/include/path/tracking.glsl";
+const VOLUME: &str = "glsl/include/path/volume.glsl";
 const TALLY: &str = "glsl/include/film/tally.glsl";
 const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
 const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
@@ -508,6 +510,31 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "grids that dim sampled lights twice",
+        &[Patch {
+            file: TRACKING,
+            text: "share *= 1.0 - min(extinction * value / walk.majorant, 1.0);",
+            mutated: "vec3 left_over = 1.0 - min(extinction * value / walk.majorant, 1.0);\n            \
+                      share *= MUTATED ? left_over * left_over : left_over;",
+        }],
+    ),
+    mutation(
+        "majorants too low",
+        &[Patch {
+            file: VOLUME,
+            text: "walk.majorant = uintBitsToFloat(texel_word(volume.majorants + index));",
+            mutated: "walk.majorant = (MUTATED ? 0.7 : 1.0) * uintBitsToFloat(texel_word(volume.majorants + index));",
+        }],
+    ),
+    mutation(
+        "null collisions without a weight",
+        &[Patch {
+            file: TRACKING,
+            text: "flight.weight *= factor;",
+            mutated: "if (!MUTATED || flight.scatters) flight.weight *= factor;",
+        }],
+    ),
+    mutation(
         "the medium of the other side",
         &[Patch {
             file: MEDIUM,
@@ -584,8 +611,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "shadow rays through few surfaces",
         &[Patch {
             file: PASSAGE,
-            text: "Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true)",
-            mutated: "Passage(ray, vec3(1.0), medium, MUTATED ? 16u : MAX_DEPTH - 1u - depth, true)",
+            text: "Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true,",
+            mutated: "Passage(ray, vec3(1.0), medium, MUTATED ? 16u : MAX_DEPTH - 1u - depth, true,",
         }],
     ),
     // Mitsuba 3 ends its shadow rays so early (its constant `ShadowEpsilon`, 15000 / 2^24).
