@@ -59,10 +59,8 @@ vec3 eval_bsdf_phase(Phase b, vec3 wo, vec3 wi) {
     return vec3(pdf_bsdf_phase(b, wo, wi));
 }
 
-// The product sampler draws from hemispheres that cover the whole sphere together. Other guides draw from the hemisphere about the
-// direction straight on alone, and leave the other one to the phase function.
+// A guide draws from the hemisphere about the direction straight on alone, and leaves the other one to the phase function.
 float guided_part_bsdf_phase(Phase b) {
-    if (SAMPLER == SAMPLER_PRODUCT) return 0.9;
     return 0.5;
 }
 

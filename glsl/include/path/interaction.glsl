@@ -101,7 +101,7 @@ Scatterer scatterer_of_place(Path path, Surface place) {
     scatterer.cell = cell_at(place.position);
     scatterer.frame = basis_from_normal(path.ray.direction);
     scatterer.wo = vec3(0.0, 0.0, -1.0);
-    if (SAMPLER == SAMPLER_PRODUCT) {
+    if (is_product()) {
         scatterer.frame = basis_from_normal(guide_axis(scatterer.cell, path.key, path.depth));
         scatterer.wo = -path.ray.direction * scatterer.frame;
     }
