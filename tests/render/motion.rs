@@ -190,7 +190,9 @@ fn motion_is_the_mean_of_still_pictures() {
     assert!(agrees(&device, Sampler::Bsdf, 2, true));
     assert!(agrees(&device, Sampler::Bsdf, 3, false));
     assert!(agrees(&device, Sampler::Product, 4, true));
-    for fault in MOTION_FAULTS.into_iter().chain(INSTANCE_FAULTS) {
+    // Things stand too far from each other here for wrong lengths of rays to change what is nearest. `render instances` finds that fault.
+    let of_normals = INSTANCE_FAULTS.into_iter().filter(|fault| fault.contains("normals"));
+    for fault in MOTION_FAULTS.into_iter().chain(of_normals) {
         assert!(!agrees(&device.mutated(fault), Sampler::Bsdf, 2, true), "{fault}");
     }
 }

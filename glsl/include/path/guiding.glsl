@@ -50,13 +50,9 @@ bool guides_whole() {
     return GUIDE_SET != GUIDE_SET_DIFFUSE;
 }
 
-// Part of a phase function's samples in which the product sampler has a share: its hemispheres cover the whole sphere together.
-const float WHOLE_SPHERE_PART = 0.9;
-
 // Part of the samples of a BSDF without a diffuse lobe in which the guide has a share. A coating also reflects into a single
 // direction, which a guide cannot draw.
 float guided_part(Bsdf bsdf) {
-    if (is_product() && is_kind(bsdf, BSDF_PHASE)) return WHOLE_SPHERE_PART;
     return bsdf_flag(bsdf, MATERIAL_COATED) ? 0.0 : guided_part_bsdf_of_kind(bsdf);
 }
 

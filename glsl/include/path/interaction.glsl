@@ -61,52 +61,16 @@ Surface place_of_hit(Path path, Hit hit) {
     return surface_at(path.ray, hit);
 }
 
-// Axis of the world, along +x, +y, +z, -x, -y and -z.
-vec3 world_axis(uint i) {
-    vec3 axis = vec3(equal(uvec3(i % 3u), uvec3(0u, 1u, 2u)));
-    return i < 3u ? axis : -axis;
-}
-
-// Axis about which the product sampler draws at a vertex in a medium, from the hemisphere about it. The axis is chosen in proportion to the
-// irradiance that the cell has learned. So all axes together draw from the whole sphere in proportion to the radiance, times the sum of
-// the cosines to those axes, which lies between 1 and the root of 3. The choice depends on nothing that is drawn later, so that each
-// sample is divided by the density given the axis.
-vec3 guide_axis(uint cell, RandomKey key, uint vertex) {
-    float weights[6];
-    float known = 0.0;
-    float unknown_axes = 0.0;
-    for (uint i = 0u; i < 6u; ++i) {
-        Guide guide = guide_of(cell, world_axis(i), SHARE_OF_WHOLES);
-        weights[i] = is_filled(guide) ? max(mean_radiance(guide), 0.0) : -1.0;
-        known += max(weights[i], 0.0);
-        unknown_axes += weights[i] < 0.0 ? 1.0 : 0.0;
-    }
-    // An axis that no path has asked for yet counts as the mean of the others.
-    float unknown = known > 0.0 ? known / (6.0 - unknown_axes) : 1.0;
-    float left = unit_float(plain_bits(key, vertex, RANDOM_AXIS).x) * (known + unknown_axes * unknown);
-    uint chosen = 0u;
-    for (uint i = 0u; i < 6u; ++i) {
-        if (left >= 0.0) chosen = i;
-        left -= weights[i] < 0.0 ? unknown : weights[i];
-    }
-    return world_axis(chosen);
-}
-
-// How a place scatters. A point of a medium scatters by the phase function, in a frame whose z-axis is the direction straight on, or that of
-// the guide.
+// How a place scatters. A point of a medium scatters by the phase function, in a frame whose z-axis is the direction straight on.
 Scatterer scatterer_of_place(Path path, Surface place) {
     if (!has_media() || place.material != NONE) return scatterer_at(place, -path.ray.direction, path.key, path.depth);
     Scatterer scatterer;
     scatterer.bsdf = untextured_bsdf(record_of_medium(path.medium));
-    scatterer.cell = cell_at(place.position);
     scatterer.frame = basis_from_normal(path.ray.direction);
     scatterer.wo = vec3(0.0, 0.0, -1.0);
-    if (is_product()) {
-        scatterer.frame = basis_from_normal(guide_axis(scatterer.cell, path.key, path.depth));
-        scatterer.wo = -path.ray.direction * scatterer.frame;
-    }
     scatterer.upright = vec3(0.0, 0.0, 1.0);
     scatterer.passes = false;
+    scatterer.cell = cell_at(place.position);
     return scatterer;
 }
 

@@ -32,8 +32,7 @@ const uint RANDOM_LEARNING = 5u;
 const uint RANDOM_LIGHT = 6u;
 const uint RANDOM_FLIGHT = 7u;
 const uint RANDOM_SHADOW = 8u;
-const uint RANDOM_AXIS = 10u;
-const uint RANDOM_TIME = 11u;
+const uint RANDOM_TIME = 9u;
 
 // Hash of four words (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 uvec4 pcg4d(uvec4 v) {
