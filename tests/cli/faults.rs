@@ -123,7 +123,7 @@ fn out_of_memory_says_what_needs_how_much_and_what_makes_it_less() {
     });
     let message = told.expect("an allocation");
     // The buffer holds 40 x 24 pixels of 64 bytes.
-    for word in ["the film 61440 (", "--crop", "the BVH ", "triangles", "textures and lights ", "the grids ", "--grid"]
+    for word in ["the film 61 kB (", "--crop", "the BVH ", "triangles", "textures and lights ", "the grids ", "--grid"]
     {
         assert!(message.contains(word), "{message} lacks {word}");
     }
