@@ -10,8 +10,8 @@ use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::mutated::{
-    DIMMED_TWICE, FAR_OFF, FEW_SURFACES, INSTANCE_FAULTS, MOTION_FAULTS, OTHER_PHASE, OTHER_SIDE, SHORT_OF_LIGHT,
-    TILTED_BACK,
+    DIMMED_TWICE, FAR_OFF, FEW_SURFACES, GRID_DIMMED_TWICE, INSTANCE_FAULTS, LOW_MAJORANTS, MOTION_FAULTS, OTHER_PHASE,
+    OTHER_SIDE, SHORT_OF_LIGHT, TILTED_BACK, UNWEIGHTED_NULL,
 };
 use support::tier;
 
@@ -243,8 +243,8 @@ fn no_harmless_change_is_flagged() {
     write_table("harmless.md", "| change | claims | least p |\n|---|---|---|", &rows);
 }
 
-/// Faults that `tests/render/media.rs` finds.
-const OF_MEDIA: [&str; 3] = [DIMMED_TWICE, OTHER_SIDE, OTHER_PHASE];
+/// Faults that `tests/render/media.rs` and `tests/render/grids.rs` find.
+const OF_MEDIA: [&str; 6] = [DIMMED_TWICE, OTHER_SIDE, OTHER_PHASE, GRID_DIMMED_TWICE, LOW_MAJORANTS, UNWEIGHTED_NULL];
 
 /// Every mutation is used: a mutation that no test uses would prove nothing. `SHORT_OF_LIGHT` and `FAR_OFF` show what another
 /// renderer does, `FEW_SURFACES` reaches a bound, `TILTED_BACK` is found in `tests/render/relief.rs`, and the faults of media and of

@@ -64,7 +64,8 @@ pub fn add(table: &mut Table) {
         let tinted = grid("sigma_t", "tinted.vol", "", "") + &rgb("albedo", "0.95,0.9,0.7") + &forward;
         show(format!("grid-tinted-{of}"), light, ball(&inside(&tinted, "12")));
     }
-    let turn = "<rotate x='1' y='2' z='3' angle='40'/>";
+    // Mitsuba inverts a rotation wrongly if its axis has another length than 1.
+    let turn = "<rotate x='0' y='0.6' z='0.8' angle='40'/>";
     let nearest = string("filter_type", "nearest");
     let repeat = string("wrap_mode", "repeat");
     for (name, volumes, scale) in [
