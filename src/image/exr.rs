@@ -1,4 +1,4 @@
-//! OpenEXR files. With [`super::exr_columns`], the only file that names the `exr` crate.
+//! OpenEXR files. With `exr_columns.rs`, the only file that names the `exr` crate.
 //!
 //! The data window is the rendered window; the display window is the whole film. Compression is lossless. Colors are linear
 //! sRGB, and the header says so.
