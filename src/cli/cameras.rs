@@ -9,6 +9,7 @@ use lodestar::{Error, Result};
 
 use super::console::Console;
 use super::print::print_message;
+use super::ranks;
 use super::render::{RenderArgs, options, render};
 
 /// Value of `--camera` that asks for all of them.
@@ -30,8 +31,12 @@ pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
             "--camera all makes several pictures, and --{option} is for one: leave it out, or name a camera"
         )));
     }
+    if ranks::are_several() {
+        let message =
+            "--camera all renders one picture after another, which several processes cannot do together; name a camera";
+        return Err(Error::Settings(message.into()));
+    }
     let (choices, files, is_quiet) = (given.load(), given.files(), given.has("quiet"));
-    let consoles = || Console::new(&given, given.has("output"));
     let scene = load(&scene_file(&path)?, &LoadOptions { camera: None, ..choices.clone() })?;
     let names = names(&scene.cameras);
     if names.is_empty() {
@@ -39,7 +44,7 @@ pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
     }
     let (stem, viewers) = (scene.name.clone(), given.viewers());
     drop(scene);
-    let consoles: Vec<_> = names.iter().map(|_| consoles()).collect();
+    let consoles: Vec<_> = names.iter().map(|_| Console::new(&given, given.has("output"))).collect();
     let options = options(given);
     for ((index, name), console) in names.iter().enumerate().zip(&consoles) {
         if !is_quiet {

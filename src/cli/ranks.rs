@@ -14,6 +14,11 @@ fn launched() -> Option<usize> {
     LAUNCHERS.into_iter().find_map(number).filter(|&number| number > 1)
 }
 
+/// Whether a launcher has started several processes.
+pub fn are_several() -> bool {
+    launched().is_some()
+}
+
 /// The exchange with the other ranks, where a launcher has started several processes.
 #[cfg(feature = "mpi")]
 pub fn exchange() -> Result<Option<Arc<dyn Exchange>>> {

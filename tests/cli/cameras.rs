@@ -38,6 +38,12 @@ fn files_of_one_picture_are_refused_for_all_cameras() {
     for more in [["--stats", "s.json"], ["--checkpoint", "a.ckpt"]] {
         assert_sentence(&folder.run(&[&common[..], &more].concat()), 1, &["--camera all", more[0], "name a camera"]);
     }
+    let mut of_launcher = folder.command(&common);
+    assert_sentence(
+        &of_launcher.env("OMPI_COMM_WORLD_SIZE", "2").output().unwrap(),
+        1,
+        &["--camera all", "several processes"],
+    );
     folder.write("none.xml", "<scene version=\"3.0.0\"><emitter type=\"constant\"/><shape type=\"cube\"/></scene>");
     let none = folder.run(&["render", "none.xml", "--camera", "all"]);
     assert_sentence(&none, 1, &["none.xml: the scene has no camera"]);

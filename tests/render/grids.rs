@@ -8,13 +8,12 @@ use lodestar::settings::{Execution, Learner, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::mutated::{GRID_DIMMED_TWICE, LOW_MAJORANTS, OTHER_SIDE, UNWEIGHTED_NULL};
 use support::scenes::settings;
-use support::significance::{ALPHA, sidak, two_sided};
+use support::significance::ALPHA;
 use support::volumes;
 
+use crate::closed_forms::{self, assert_is, surprise};
 use crate::device::Device;
 
-/// Number of the tests of closed forms.
-const TESTS: usize = 64;
 /// Densities of the layers of a slab, from z = -1 to 1.
 const LAYERS: [f64; 8] = [0.0, 0.3, 1.2, 0.1, 0.0, 0.7, 0.2, 0.9];
 
@@ -74,22 +73,7 @@ const RED_SKY: &str = "<emitter type='constant'><rgb name='radiance' value='3,0,
 const HG: &str = "<phase type='hg'><float name='g' value='0.6'/></phase>";
 
 fn mean_of(device: &Device, scene: &Scene, spp: u32, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
-    let mut settings = Settings { nee: true, ..settings(scene, [16, 16], Sampler::Bsdf, 47) };
-    change(&mut settings);
-    let found = Estimate::of(&device.render(scene, &settings, spp)).gray();
-    println!("{:?} {:?}: {:.6} +- {:.6}", settings.sampler, settings.execution, found.0, found.1);
-    found
-}
-
-fn surprise((mean, error): (f64, f64), expected: f64) -> f64 {
-    sidak(two_sided((mean - expected) / error.hypot(2.0e-5 * expected)), TESTS)
-}
-
-#[track_caller]
-fn assert_is(name: &str, rendered: (f64, f64), expected: f64) {
-    println!("{name}: {rendered:?}, expected {expected:.6}");
-    assert!(surprise(rendered, expected) > ALPHA, "{name}: {rendered:?}, not {expected}");
-    assert!(surprise(rendered, 1.05 * expected) < ALPHA, "{name}: the twin, {rendered:?}");
+    closed_forms::mean_of(device, scene, 47, spp, change)
 }
 
 /// Optical depth of the slab along z. Each layer is 1/4 thick, and interpolation only moves its particles.

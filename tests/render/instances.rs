@@ -4,7 +4,7 @@ use glam::{DMat4, DVec3};
 use lodestar::scene::{Camera, Scene};
 use lodestar::settings::{Execution, Sampler, Settings, Traversal};
 use support::estimate::{Comparison, Estimate, WHOLE};
-use support::instances::{copied, transforms};
+use support::instances::{copied, dented_ball, transforms};
 use support::mutated::INSTANCE_FAULTS;
 use support::scenes::{ours, settings, steady};
 
@@ -26,14 +26,7 @@ fn blocks(transform: DMat4) -> Scene {
 
 /// A dented, smooth ball, shown in nine places by transforms of all kinds in a lit box.
 fn dented_balls() -> Scene {
-    let mut scene = ours("furnace/mesh.xml", &[("albedo", "0.7"), ("emission", "0")]);
-    for primitive in &mut scene.primitives {
-        let corners = [primitive.origin, primitive.origin + primitive.edge_u, primitive.origin + primitive.edge_v];
-        primitive.emitter = None;
-        primitive.normals = Some(corners.map(|corner| corner.normalize()));
-        primitive.flip_normal = false;
-    }
-    scene.emitters.clear();
+    let mut scene = dented_ball();
     let group = scene.group_from(0);
     for (index, (_, transform)) in (0..).zip(transforms()) {
         let place = DVec3::new(2.4 * f64::from(index % 3) - 2.4, 2.4 * f64::from(index / 3) - 2.4, 0.0);

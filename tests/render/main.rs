@@ -8,6 +8,7 @@ mod blue_noise;
 mod cells;
 mod choices;
 mod closed;
+mod closed_forms;
 mod determinism;
 mod device;
 mod differences;

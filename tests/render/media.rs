@@ -7,13 +7,11 @@ use lodestar::settings::{Execution, Learner, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::mutated::{DIMMED_TWICE, OTHER_PHASE, OTHER_SIDE};
 use support::scenes::settings;
-use support::significance::{ALPHA, sidak, two_sided};
+use support::significance::ALPHA;
 use support::tier;
 
+use crate::closed_forms::{self, assert_is, surprise};
 use crate::device::Device;
-
-/// Number of the tests of closed forms.
-const TESTS: usize = 64;
 
 /// A scene with a camera that looks along -z from (0, 0, 4). `inside` stands in the sensor.
 fn scene(depth: i32, fov: f64, inside: &str, body: &str) -> Scene {
@@ -66,22 +64,7 @@ fn phase(text: &str, cosine: f64) -> f64 {
 }
 
 fn mean_of(device: &Device, scene: &Scene, spp: u32, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
-    let mut settings = Settings { nee: true, ..settings(scene, [16, 16], Sampler::Bsdf, 31) };
-    change(&mut settings);
-    let found = Estimate::of(&device.render(scene, &settings, spp)).gray();
-    println!("{:?} {:?}: {:.6} +- {:.6}", settings.sampler, settings.execution, found.0, found.1);
-    found
-}
-
-fn surprise((mean, error): (f64, f64), expected: f64) -> f64 {
-    sidak(two_sided((mean - expected) / error.hypot(2.0e-5 * expected)), TESTS)
-}
-
-#[track_caller]
-fn assert_is(name: &str, rendered: (f64, f64), expected: f64) {
-    println!("{name}: {rendered:?}, expected {expected:.6}");
-    assert!(surprise(rendered, expected) > ALPHA, "{name}: {rendered:?}, not {expected}");
-    assert!(surprise(rendered, 1.05 * expected) < ALPHA, "{name}: the twin, {rendered:?}");
+    closed_forms::mean_of(device, scene, 31, spp, change)
 }
 
 /// Ways to render.

@@ -6,7 +6,7 @@ use lodestar::image::Image;
 use lodestar::scene::{Camera, Course, Instance, Motion, Projection, Scene};
 use lodestar::settings::{Execution, SamplePattern, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
-use support::instances::copied;
+use support::instances::{copied, dented_ball};
 use support::mutated::{self, INSTANCE_FAULTS, MOTION_FAULTS};
 use support::scenes::{ours, settings, steady};
 use support::tier;
@@ -118,14 +118,7 @@ fn at(scene: &Scene, time: f64) -> Scene {
 /// A dented, smooth ball that turns and grows, a smooth sphere that flies, and a lamp that swings, in front of a wall and seen by a
 /// camera that moves.
 fn busy() -> Scene {
-    let mut scene = ours("furnace/mesh.xml", &[("albedo", "0.7"), ("emission", "0")]);
-    for primitive in &mut scene.primitives {
-        let corners = [primitive.origin, primitive.origin + primitive.edge_u, primitive.origin + primitive.edge_v];
-        primitive.emitter = None;
-        primitive.normals = Some(corners.map(|corner| corner.normalize()));
-        primitive.flip_normal = false;
-    }
-    scene.emitters.clear();
+    let mut scene = dented_ball();
     let ball = scene.group_from(0);
     let turned = moved(-1.0, 1.0, 0.5) * DMat4::from_rotation_y(2.0) * DMat4::from_scale(DVec3::new(1.4, 0.6, 1.0));
     let last = moved(-0.5, -0.5, 0.0) * DMat4::from_rotation_x(1.5) * DMat4::from_scale(DVec3::splat(0.8));

@@ -64,12 +64,6 @@ def _mix_rgb(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[E
     return clamp(result) if node.use_clamp else result
 
 
-def table(value: Expression, entries: list[tuple[float, float, float]], steps: bool = False, extrapolate: bool = False) -> Expression:
-    """Entries of a table for values from 0 to 1."""
-    text = " ".join(f"{number:.9g}" for entry in entries for number in entry)
-    return value.graph.of("table", value=value, extrapolate=int(extrapolate), steps=int(steps), values=text)
-
-
 def _color_ramp(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
     ramp = node.color_ramp
     if ramp.interpolation != "LINEAR" or ramp.color_mode != "RGB":

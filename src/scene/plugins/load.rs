@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{DMat4, Mat3, Vec3};
 use rayon::prelude::*;
 
+use super::cameras;
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::instances::{self, Arranged, Item, Placed};
@@ -31,7 +32,7 @@ use crate::scene::description::object::{Entry, Object, Value};
 use crate::scene::description::origin::Format;
 use crate::scene::faults::Faults;
 use crate::scene::folders::FoundFile;
-use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
+use crate::scene::load_options::{EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::{
     AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Medium,
@@ -367,39 +368,6 @@ impl<'a> Builder<'a> {
         objects.first().copied()
     }
 
-    /// Sensor that the user has chosen, or else the first; `None` for a fitted one.
-    fn chosen_sensor(&mut self, choice: Option<&CameraChoice>) -> Result<Option<&'a Object>> {
-        let sensors = self.sensors.clone();
-        let name = match choice {
-            None => return Ok(self.first_sensor(&sensors)),
-            Some(CameraChoice::Fit) => return Ok(None),
-            Some(CameraChoice::Named(name)) => name,
-        };
-        let named = sensors.iter().find(|sensor| sensor.id.as_ref() == Some(name));
-        let found = named.or_else(|| sensors.get(name.parse::<usize>().ok()?));
-        found.copied().map(Some).ok_or_else(|| {
-            let known = camera_names(&sensors).join(", ");
-            let list = if known.is_empty() { "none".to_owned() } else { known };
-            Error::scene(
-                &self.description.path,
-                None,
-                format!("there is no camera `{name}`; the scene's cameras are: {list}; or use `fit`"),
-            )
-        })
-    }
-
-    /// First of the scene's cameras. Where there are more, a warning lists them.
-    fn first_sensor(&mut self, sensors: &[&'a Object]) -> Option<&'a Object> {
-        if let [_, second, ..] = sensors {
-            let (word, names) = (second.origin.word(second.kind.name()), camera_names(sensors).join(", "));
-            let message = format!(
-                "a second {word}; the scene's cameras are {names}; the first is used; --camera chooses another, or all"
-            );
-            self.warnings.push(format!("{}: {message}", second.origin));
-        }
-        sensors.first().copied()
-    }
-
     fn finish(mut self, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
         let Description { ref path, format, .. } = *self.description;
         let integrator = self.integrator();
@@ -407,7 +375,8 @@ impl<'a> Builder<'a> {
         if let Some(choice) = &options.environment {
             self.replace_environment(choice)?;
         }
-        let sensor = self.chosen_sensor(options.camera.as_ref())?;
+        let sensor =
+            cameras::chosen(&self.sensors, options.camera.as_ref(), &self.description.path, &mut self.warnings)?;
         let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.media, &mut self.warnings));
         let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
         let shutter = sensor.as_ref().map_or([0.0; 2], |sensor| sensor.shutter);
@@ -507,15 +476,6 @@ impl<'a> Builder<'a> {
             warnings: self.warnings,
         })
     }
-}
-
-/// Cameras as `--camera` names them: an index, with the name if there is one.
-fn camera_names(sensors: &[&Object]) -> Vec<String> {
-    let of = |(index, sensor): (usize, &&Object)| match &sensor.id {
-        Some(id) => format!("{index} (`{id}`)"),
-        None => index.to_string(),
-    };
-    sensors.iter().enumerate().map(of).collect()
 }
 
 /// Whether an image can be an environment.

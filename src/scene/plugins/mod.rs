@@ -1,5 +1,6 @@
 //! Readers of plugins: from a description to a [`Scene`](super::Scene). Parameters and defaults are Mitsuba's.
 
+mod cameras;
 mod color;
 mod color_blocks;
 mod curves;

@@ -3,6 +3,8 @@
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use lodestar::scene::{Instance, Primitive, Scene};
 
+use crate::scenes::ours;
+
 /// The scene with copies in place of its instances, which follow its own primitives in the order of the instances.
 pub fn copied(scene: &Scene) -> Scene {
     let mut copies = scene.clone();
@@ -27,6 +29,19 @@ fn copy(p: &Primitive, instance: &Instance) -> Primitive {
         flip_normal: p.flip_normal ^ (matrix.determinant() < 0.0),
         ..*p
     }
+}
+
+/// Scene of a dented ball with smooth normals, which reflects 0.7 of the light. There is no light.
+pub fn dented_ball() -> Scene {
+    let mut scene = ours("furnace/mesh.xml", &[("albedo", "0.7"), ("emission", "0")]);
+    for primitive in &mut scene.primitives {
+        let corners = [primitive.origin, primitive.origin + primitive.edge_u, primitive.origin + primitive.edge_v];
+        primitive.emitter = None;
+        primitive.normals = Some(corners.map(|corner| corner.normalize()));
+        primitive.flip_normal = false;
+    }
+    scene.emitters.clear();
+    scene
 }
 
 /// Transforms of all kinds, with what they do: of about the size 1 but for the named scale, and turned.
