@@ -10,14 +10,14 @@ from typing import Any, Optional
 from . import camera, lights, materials, world, xml
 from .hashes import number_of_object
 from .images import Images
+from .instances import Shapes
 from .meshes import Meshes, Part, Wanted
 from .nodes import Placed, Surroundings
 from .report import Report
 
 SCENE_FILE = "scene.xml"
-# Objects that have surfaces once `to_mesh` has evaluated them.
-SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER"}
+# Objects without a surface. That of a curve, a text or a metaball is an instance of its own, of the type MESH.
+INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER", "CURVE", "SURFACE", "FONT", "META"}
 VISIBILITIES = ("diffuse", "glossy", "transmission", "shadow")
 
 
@@ -54,7 +54,7 @@ class _Exporter:
         self.meshes = Meshes(folder, self.report)
         self.materials: dict[str, materials.Material] = {}
         self.parts: dict[Any, list[Part]] = {}
-        self.shapes: list[xml.Element] = []
+        self.shapes = Shapes()
         self.emitters: list[xml.Element] = []
         self.visible_lamps: list[str] = []
         self.surfaces_emit = self.has_glass = False
@@ -77,7 +77,7 @@ class _Exporter:
         root = xml.ElementTree.Element("scene", {"version": "3.0.0"})
         definitions = [self._definition(name) for name in self.materials]
         definitions = [*self.images.graph.elements(self.images.used_programs), *definitions]
-        xml.with_children(root, integrator, sensor, *definitions, *self.shapes, *self.emitters)
+        xml.with_children(root, integrator, sensor, *definitions, *self.shapes.elements(), *self.emitters)
         if environment is not None:
             xml.with_children(root, environment)
         exposure = float(getattr(getattr(scene, "cycles", None), "film_exposure", 1.0))
@@ -86,7 +86,11 @@ class _Exporter:
                 _brighten(emitter, exposure)
         self._report_light_through_surfaces()
         path = self.folder / SCENE_FILE
-        path.write_text(xml.text_of(root), encoding="utf-8")
+        with path.open("w", encoding="utf-8") as file:
+            head, end, rest = xml.text_of(root).rpartition("</scene>")
+            file.write(head)
+            file.writelines(self.shapes.lines())
+            file.write(end + rest)
         files = self.meshes.used | self.images.used
         _remove_unused(self.folder, files)
         return Export(path, self.report, camera.film(scene.render), self.meshes.written, files)
@@ -100,7 +104,7 @@ class _Exporter:
         matrix = instance.matrix_world.copy()
         if owner.type == "LIGHT":
             self._light(owner, matrix)
-        elif owner.type in SURFACES:
+        elif owner.type == "MESH":
             number = instance.random_id if instance.is_instance else number_of_object(owner.name)
             self._surface(Placed(owner, matrix, number))
         elif owner.type not in INVISIBLE:
@@ -143,46 +147,44 @@ class _Exporter:
         self._report_visibility(owner)
         slots = [slot.material for slot in owner.material_slots] or [None]
         keys = [self._material(material, placed) for material in slots]
-        for part in self._mesh_parts(owner, keys):
-            material, key = self.materials[keys[part.slot]], keys[part.slot]
-            self.has_glass |= material.is_glass
-            self.surfaces_emit |= material.emission is not None
-            self._shape(part.file, matrix, key, material)
-            if part.back is not None:
-                self._shape(part.back, matrix, key, material)
+        shown = tuple((file, keys[part.slot]) for part in self._mesh_parts(owner, keys) for file in part.files)
+        self.shapes.add(shown, xml.Course(matrix), lambda: [self._shape(file, key) for file, key in shown])
 
     def _mesh_parts(self, owner: Any, keys: list[str]) -> list[Part]:
         """Files of an object's mesh. Instances of one object or mesh share them."""
         used = [self.materials[key] for key in keys]
         wanted = [Wanted(m.uv_map, m.color_attribute, m.emission is not None) for m in used]
-        data = owner.data.as_pointer() if owner.type == "MESH" and owner.data is not None else owner.original.as_pointer()
-        key = (data, tuple(wanted))
+        key = (owner.data.as_pointer(), tuple(wanted))
         if key not in self.parts:
             self.parts[key] = self.meshes.export(owner, wanted, self.depsgraph)
         return self.parts[key]
 
-    def _shape(self, file: str, matrix: Any, key: str, material: materials.Material) -> None:
+    def _shape(self, file: str, key: str) -> xml.Element:
+        """Mesh of a file with its material, without a place."""
+        material = self.materials[key]
+        self.has_glass |= material.is_glass
+        self.surfaces_emit |= material.emission is not None
         shape = xml.add(xml.plugin("shape", "ply"), "filename", file)
-        xml.add_matrix(shape, matrix)
         xml.with_children(shape, xml.ElementTree.Element("ref", {"id": key}))
         if material.emission is not None:
             xml.with_children(shape, copy.deepcopy(material.emission))
-        self.shapes.append(shape)
+        return shape
 
     # ----------------------------------------------------------------------------------------------- materials
 
     def _material(self, material: Optional[Any], placed: Placed) -> str:
         """Key of a material. One that asks for its object has a key for each place of each object."""
         key = "no material" if material is None else f"material {material.name_full}"
+        if key in self.materials:
+            return key
         own = f"{key} of {placed.owner.name_full} {placed.random_id} {hash(tuple(map(tuple, placed.matrix))):x}"
-        if own in self.materials:
-            return own
-        if key not in self.materials or self.materials[key].asks_for_object:
+        if own not in self.materials:
             surroundings = Surroundings(placed, self.depsgraph.scene_eval.camera, self.projection)
             found = materials.translate(material, self.images, self.report, surroundings)
-            key = own if found.asks_for_object else key
-            self.materials[key] = found
-        return key
+            if not found.asks_for_object:
+                own = key
+            self.materials[own] = found
+        return own
 
     def _definition(self, key: str) -> xml.Element:
         bsdf = self.materials[key].bsdf

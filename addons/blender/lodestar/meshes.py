@@ -22,6 +22,10 @@ class Part(NamedTuple):
     # The mesh's other side, where it emits and has one: emitters shine from their front only.
     back: Optional[str]
 
+    @property
+    def files(self) -> list[str]:
+        return [self.file] if self.back is None else [self.file, self.back]
+
 
 class Wanted(NamedTuple):
     """Data that a slot's material looks up."""

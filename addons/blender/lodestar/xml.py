@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterable, Sequence
-from typing import Union
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple, Union
 
 Element = ElementTree.Element
 Color = Sequence[float]
+Rows = Iterable[Sequence[float]]
+
+
+class Course(NamedTuple):
+    """Place of an object."""
+
+    matrix: Any
+    # Pairs of a time and a matrix, where the object moves. The shutter opens at the time 0 and closes at the time 1.
+    keys: tuple[tuple[float, Any], ...] = ()
+
+    def mapped(self, change: Callable[[Any], Any]) -> Course:
+        """Course whose matrices are changed."""
+        return Course(change(self.matrix), tuple((time, change(matrix)) for time, matrix in self.keys))
 
 
 def plugin(tag: str, kind: str, name: str | None = None, **attributes: str) -> Element:
@@ -49,15 +62,33 @@ def with_children(parent: Element, *children: Element) -> Element:
     return parent
 
 
-def add_matrix(parent: Element, rows: Iterable[Sequence[float]], name: str = "to_world") -> Element:
-    """Adds a transform by its rows, and returns `parent`. Rounding may have made the last entry other than 1."""
-    rows = [list(row) for row in rows]
-    if rows[3][3] != 1.0:
-        rows = [[value / rows[3][3] for value in row] for row in rows]
+def add_matrix(parent: Element, rows: Rows, name: str = "to_world") -> Element:
+    """Adds a transform by its rows, and returns `parent`."""
     transform = ElementTree.SubElement(parent, "transform", {"name": name})
-    text = " ".join(number(value) for row in rows for value in row)
-    ElementTree.SubElement(transform, "matrix", {"value": text})
+    ElementTree.SubElement(transform, "matrix", {"value": _entries(rows)})
     return parent
+
+
+def add_course(parent: Element, course: Course) -> Element:
+    """Adds the place of an object that may move, and returns `parent`."""
+    parent.append(ElementTree.fromstring(text_of_course(course)))
+    return parent
+
+
+def text_of_course(course: Course) -> str:
+    """Place of an object that may move, as text."""
+    if not course.keys:
+        return f'<transform name="to_world"><matrix value="{_entries(course.matrix)}"/></transform>'
+    keys = (f'<transform time="{number(time)}"><matrix value="{_entries(matrix)}"/></transform>' for time, matrix in course.keys)
+    return f'<animation name="to_world">{"".join(keys)}</animation>'
+
+
+def _entries(rows: Rows) -> str:
+    """Entries of a matrix. Rounding may have made the last one other than 1."""
+    entries = [value for row in rows for value in row]
+    if entries[15] != 1.0:
+        entries = [value / entries[15] for value in entries]
+    return "%.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g" % tuple(entries)
 
 
 def text_of(scene: Element) -> str:
