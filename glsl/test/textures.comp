@@ -10,6 +10,8 @@ struct TextureInput {
     vec2 uv;
     vec3 position;
     vec3 normal;
+    vec3 shading_normal;
+    vec3 incoming;
     vec3 dp_du;
     vec3 dp_dv;
 };
@@ -24,7 +26,7 @@ layout(scalar, set = 0, binding = 21) writeonly buffer TextureOutputs { TextureO
 
 void main() {
     TextureInput i = texture_inputs[gl_GlobalInvocationID.x];
-    TexturePoint at = TexturePoint(i.uv, i.position, i.normal);
+    TexturePoint at = TexturePoint(i.uv, i.position, i.normal, i.shading_normal, i.incoming);
     texture_outputs[gl_GlobalInvocationID.x] =
         TextureOutput(sample_texture(i.index, at), height_gradient(i.index, at, i.dp_du, i.dp_dv));
 }

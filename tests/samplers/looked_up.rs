@@ -14,6 +14,8 @@ pub struct TextureInput {
     pub uv: [f32; 2],
     pub position: [f32; 3],
     pub normal: [f32; 3],
+    pub shading_normal: [f32; 3],
+    pub incoming: [f32; 3],
     pub dp_du: [f32; 3],
     pub dp_dv: [f32; 3],
 }
@@ -47,7 +49,8 @@ pub fn look_up_after(
     let pages = packed.words.pages();
     let variant = Variant {
         texture_kinds: packed.kinds,
-        program_operations: packed.operations,
+        program_operations: packed.operations as u32,
+        program_later_operations: (packed.operations >> 32) as u32,
         texel_pages: pages.len() as u32,
         ..Variant::default()
     };

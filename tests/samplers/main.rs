@@ -3,6 +3,7 @@
 //! and a twin with a planted fault that must fail.
 
 mod area_lights;
+mod blender_nodes;
 mod bsdf;
 mod camera;
 mod direction_map;

@@ -42,6 +42,8 @@ fn parameters(operation: Operation, numbers: &mut Numbers) -> Vec<u32> {
             Parameter::Whole(_, default, most) => words.push(default.max(1).min(most)),
             Parameter::Number(_, default) => words.push(default.to_bits()),
             Parameter::Matrix(_) => words.extend((0..12).map(|_| (2.0 * numbers.unit() as f32 - 1.0).to_bits())),
+            Parameter::Choice(..) => words.push(0),
+            Parameter::Table(_) => words.extend((0..30).map(|_| (numbers.unit() as f32).to_bits())),
             Parameter::Texture => words.push(1),
         }
     }
@@ -72,6 +74,8 @@ fn inputs(count: usize, seed: u32) -> Vec<TextureInput> {
             uv: [(); 2].map(|()| within(2.0)),
             position: [(); 3].map(|()| within(8.0)),
             normal: [(); 3].map(|()| within(2.0)),
+            shading_normal: [(); 3].map(|()| within(1.0)),
+            incoming: [(); 3].map(|()| within(1.0)),
             dp_du: [(); 3].map(|()| within(1.0)),
             dp_dv: [(); 3].map(|()| within(1.0)),
         })
@@ -81,7 +85,13 @@ fn inputs(count: usize, seed: u32) -> Vec<TextureInput> {
 fn point(input: &TextureInput) -> Point {
     let three = |value: [f32; 3]| Vec3::from(value).as_dvec3();
     let uv = DVec2::from_array(input.uv.map(f64::from));
-    Point { uv, position: three(input.position), normal: three(input.normal) }
+    Point {
+        uv,
+        position: three(input.position),
+        normal: three(input.normal),
+        shading_normal: three(input.shading_normal),
+        incoming: three(input.incoming),
+    }
 }
 
 /// Largest difference between the kernel and the twin, as a share of the range of values. A point on whose edges a value jumps is

@@ -28,7 +28,7 @@ fn program(scene: &Scene, texture: Option<u32>) -> &Program {
 }
 
 fn at(uv: [f64; 2], position: [f64; 3]) -> Point {
-    Point { uv: uv.into(), position: position.into(), normal: DVec3::Z }
+    Point { uv: uv.into(), position: position.into(), normal: DVec3::Z, ..Point::default() }
 }
 
 /// Reflectance at a point.

@@ -6,20 +6,75 @@ from collections.abc import Callable
 from typing import Any, Optional
 
 from .evaluator import LUMINANCE, Evaluator, Groups, Handler
-from .programs import Expression, absolute, clamp, combine, dot, maximum, minimum, mix, power
+from .programs import (
+    Expression, absolute, clamp, combine, dot, fraction, is_zero, less, maximum, minimum, mix, positive, power,
+    select,
+)
 
 Blend = Callable[[Expression, Expression, Expression], Expression]
-# Least distance of two stops of a ramp: the entries of Cycles' table of it are as far apart.
-LEAST_WIDTH = 1.0 / 255.0
+# Entries of the tables of color ramps and curves, as in Cycles.
+ENTRIES = 256
+
+
+def _hsv(color: Expression) -> Expression:
+    return color.graph.of("hsv_from_rgb", value=color)
+
+
+def _rgb(hsv: Expression) -> Expression:
+    return hsv.graph.of("rgb_from_hsv", value=hsv)
 
 
 def _screen(t: Expression, a: Expression, b: Expression) -> Expression:
     return 1.0 - ((1.0 - t) + t * (1.0 - b)) * (1.0 - a)
 
 
+def _overlay(t: Expression, a: Expression, b: Expression) -> Expression:
+    dark = a * ((1.0 - t) + 2.0 * t * b)
+    light = 1.0 - ((1.0 - t) + 2.0 * t * (1.0 - b)) * (1.0 - a)
+    return select(less(a, 0.5), dark, light)
+
+
+def _divide(t: Expression, a: Expression, b: Expression) -> Expression:
+    return select(is_zero(b), a, (1.0 - t) * a + t * a / b)
+
+
+def _dodge(t: Expression, a: Expression, b: Expression) -> Expression:
+    rest = 1.0 - t * b
+    dodged = select(positive(rest), minimum(a / rest, 1.0), 1.0)
+    return select(is_zero(a), 0.0, dodged)
+
+
+def _burn(t: Expression, a: Expression, b: Expression) -> Expression:
+    rest = (1.0 - t) + t * b
+    return clamp(1.0 - (1.0 - a) / rest) * positive(rest)
+
+
 def _soft_light(t: Expression, a: Expression, b: Expression) -> Expression:
     screen = 1.0 - (1.0 - b) * (1.0 - a)
     return (1.0 - t) * a + t * ((1.0 - a) * b * a + a * screen)
+
+
+def _hue(t: Expression, a: Expression, b: Expression) -> Expression:
+    own, other = _hsv(a), _hsv(b)
+    mixed = mix(a, _rgb(combine(other.x, own.y, own.z)), t)
+    return select(is_zero(other.y), a, mixed)
+
+
+def _saturation(t: Expression, a: Expression, b: Expression) -> Expression:
+    own, other = _hsv(a), _hsv(b)
+    mixed = _rgb(combine(own.x, mix(own.y, other.y, t), own.z))
+    return select(is_zero(own.y), a, mixed)
+
+
+def _color(t: Expression, a: Expression, b: Expression) -> Expression:
+    own, other = _hsv(a), _hsv(b)
+    mixed = mix(a, _rgb(combine(other.x, other.y, own.z)), t)
+    return select(is_zero(other.y), a, mixed)
+
+
+def _value(t: Expression, a: Expression, b: Expression) -> Expression:
+    own, other = _hsv(a), _hsv(b)
+    return _rgb(combine(own.x, own.y, mix(own.z, other.z, t)))
 
 
 BLENDS: dict[str, Blend] = {
@@ -28,10 +83,18 @@ BLENDS: dict[str, Blend] = {
     "MULTIPLY": lambda t, a, b: mix(a, a * b, t),
     "SUBTRACT": lambda t, a, b: a - t * b,
     "SCREEN": _screen,
+    "OVERLAY": _overlay,
+    "DIVIDE": _divide,
     "DIFFERENCE": lambda t, a, b: mix(a, absolute(a - b), t),
     "EXCLUSION": lambda t, a, b: maximum(mix(a, a + b - 2.0 * a * b, t), 0.0),
     "DARKEN": lambda t, a, b: mix(a, minimum(a, b), t),
     "LIGHTEN": lambda t, a, b: mix(a, maximum(a, b), t),
+    "DODGE": _dodge,
+    "BURN": _burn,
+    "HUE": _hue,
+    "SATURATION": _saturation,
+    "COLOR": _color,
+    "VALUE": _value,
     "SOFT_LIGHT": _soft_light,
     "LINEAR_LIGHT": lambda t, a, b: a + t * (2.0 * b - 1.0),
 }
@@ -64,19 +127,58 @@ def _mix_rgb(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[E
     return clamp(result) if node.use_clamp else result
 
 
+def table(value: Expression, entries: list[tuple[float, float, float]], steps: bool = False, extrapolate: bool = False) -> Expression:
+    """Entries of a table for values from 0 to 1."""
+    text = " ".join(f"{number:.9g}" for entry in entries for number in entry)
+    return value.graph.of("table", value=value, extrapolate=int(extrapolate), steps=int(steps), values=text)
+
+
 def _color_ramp(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
-    ramp = node.color_ramp
-    if ramp.interpolation != "LINEAR" or ramp.color_mode != "RGB":
-        return None
     factor = e.value(node.inputs[0], groups)
-    stops = [(stop.position, stop.color[3:] * 3 if output.name == "Alpha" else stop.color[:3]) for stop in ramp.elements]
-    value = e.graph.constant(list(stops[0][1]))
-    for (start, before), (end, after) in zip(stops, stops[1:]):
-        if end - start < LEAST_WIDTH:
-            return None
-        step = [second - first for first, second in zip(before, after)]
-        value = value + clamp((factor - start) * (1.0 / (end - start))) * step
-    return value
+    ramp = node.color_ramp
+    entries = [tuple(ramp.evaluate(at / (ENTRIES - 1))) for at in range(ENTRIES)]
+    is_alpha = output.name == "Alpha"
+    chosen = [(entry[3],) * 3 if is_alpha else entry[:3] for entry in entries]
+    if factor.is_constant:
+        return e.graph.constant(looked_up(chosen, factor.constant[0], ramp.interpolation == "CONSTANT"))
+    return table(factor, chosen, ramp.interpolation == "CONSTANT")
+
+
+def looked_up(entries: list[tuple[float, ...]], at: float, steps: bool) -> list[float]:
+    """Entry of a table for a number from 0 to 1."""
+    place = min(max(at, 0.0), 1.0) * (len(entries) - 1)
+    low = int(place)
+    high, t = min(low + 1, len(entries) - 1), 0.0 if steps else place - low
+    return [(1.0 - t) * first + t * second for first, second in zip(entries[low], entries[high])]
+
+
+def _curves(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    """RGB Curves, Vector Curves and Float Curve."""
+    mapping = node.mapping
+    mapping.initialize()
+    curves = list(mapping.curves)
+    low = min(curve.points[0].location[0] for curve in curves)
+    high = max(curve.points[-1].location[0] for curve in curves)
+    places = [low + at / (ENTRIES - 1) * (high - low) for at in range(ENTRIES)]
+    if node.type == "CURVE_RGB":
+        combined = [mapping.evaluate(curves[3], place) for place in places]
+        entries = [tuple(mapping.evaluate(curve, value) for curve in curves[:3]) for value in combined]
+    else:
+        channels = curves[:3] if node.type == "CURVE_VEC" else curves[:1] * 3
+        entries = [tuple(mapping.evaluate(curve, place) for curve in channels) for place in places]
+    factor = e.input(node, groups, "Fac", "Factor", default=1.0)
+    value = e.input(node, groups, "Color", "Vector", "Value")
+    place = (value - low) * (1.0 / max(high - low, 1e-9))
+    found = table(place, entries, extrapolate=mapping.extend == "EXTRAPOLATED")
+    return mix(value, found.x if node.type == "CURVE_FLOAT" else found, factor)
+
+
+def _hue_saturation(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    hue, saturation, value = (e.input(node, groups, name) for name in ("Hue", "Saturation", "Value"))
+    factor, color = e.input(node, groups, "Fac", "Factor"), e.input(node, groups, "Color")
+    hsv = _hsv(color)
+    changed = _rgb(combine(fraction(hsv.x + hue + 0.5), clamp(hsv.y * saturation), hsv.z * value))
+    return maximum(mix(color, changed, factor), 0.0)
 
 
 def _bright_contrast(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
@@ -88,8 +190,7 @@ def _gamma(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Exp
     color, gamma = e.input(node, groups, "Color"), e.input(node, groups, "Gamma")
     if gamma.is_constant and gamma.constant[0] == 0.0:
         return e.graph.constant(1.0)
-    # Negative parts of a color stay.
-    return power(maximum(color, 0.0), gamma) + minimum(color, 0.0)
+    return select(positive(color), power(maximum(color, 0.0), gamma), color)
 
 
 def _invert(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
@@ -98,15 +199,17 @@ def _invert(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Ex
 
 
 def _separate_color(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
-    if getattr(node, "mode", "RGB") != "RGB":
-        return None
-    return e.value(node.inputs[0], groups).component(list(node.outputs).index(output))
+    color = e.value(node.inputs[0], groups)
+    mode = getattr(node, "mode", "RGB")
+    if mode != "RGB":
+        color = e.graph.of(f"{mode.lower()}_from_rgb", value=color)
+    return color.component(list(node.outputs).index(output))
 
 
 def _combine_color(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
-    if getattr(node, "mode", "RGB") != "RGB":
-        return None
-    return combine(*(e.value(node.inputs[at], groups) for at in range(3)))
+    parts = combine(*(e.value(node.inputs[at], groups) for at in range(3)))
+    mode = getattr(node, "mode", "RGB")
+    return parts if mode == "RGB" else e.graph.of(f"rgb_from_{mode.lower()}", value=parts)
 
 
 def _gray(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
@@ -124,6 +227,10 @@ HANDLERS: dict[str, Handler] = {
     "MIX": _mix,
     "MIX_RGB": _mix_rgb,
     "VALTORGB": _color_ramp,
+    "CURVE_RGB": _curves,
+    "CURVE_VEC": _curves,
+    "CURVE_FLOAT": _curves,
+    "HUE_SAT": _hue_saturation,
     "BRIGHTCONTRAST": _bright_contrast,
     "GAMMA": _gamma,
     "INVERT": _invert,

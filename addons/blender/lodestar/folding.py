@@ -39,5 +39,12 @@ FOLDED: dict[str, Callable[..., Vector]] = {
     "absolute": _each(abs),
     "sine": _each(math.sin),
     "square_root": _each(lambda a: math.sqrt(max(a, 0.0))),
+    "floor": _each(math.floor),
+    "less": _each(lambda a, b: 1.0 if a < b else 0.0),
+    "exponential": _each(math.exp),
+    "logarithm": _each(lambda a: math.log(a) if a > 0.0 else 0.0),
+    "arctangent": _each(math.atan2),
+    "mix": _each(lambda a, b, weight: (1.0 - weight) * a + weight * b),
     "dot": _dot,
+    "combine": lambda x, y, z: (x[0], y[0], z[0]),
 }

@@ -1,6 +1,8 @@
-"""Hash by which Cycles numbers objects."""
+"""Hashes by which Cycles shifts noises and numbers objects."""
 
 from __future__ import annotations
+
+import struct
 
 
 def lookup3(*words: int) -> int:
@@ -16,6 +18,12 @@ def lookup3(*words: int) -> int:
     a = ((a ^ c) - rotated(c, 4)) & mask
     b = ((b ^ a) - rotated(a, 14)) & mask
     return ((c ^ b) - rotated(b, 24)) & mask
+
+
+def hash_of_floats(*values: float) -> float:
+    """Number in [0, 1] of one to three numbers in single precision."""
+    words = (struct.unpack("<I", struct.pack("<f", value))[0] for value in values)
+    return lookup3(*words) / 4294967295.0
 
 
 def number_of_object(name: str) -> int:

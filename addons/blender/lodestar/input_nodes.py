@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any, Optional
 
 from .evaluator import Evaluator, Groups, Handler
-from .programs import Expression, absolute, dot, normalized, permuted, square_root
+from .programs import (
+    Expression, absolute, dot, less, maximum, normalized, permuted, positive, power, select, square_root,
+)
 
 # Blender's v runs upwards, that of the renderer downwards.
 FLIP = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 0.0))
@@ -23,6 +25,21 @@ def uv(e: Evaluator) -> Expression:
 def position(e: Evaluator) -> Expression:
     """Position in the world."""
     return e.graph.source("position")
+
+
+def incoming(e: Evaluator) -> Expression:
+    """Direction to where the surface is seen from."""
+    return e.graph.source("incoming")
+
+
+def backfacing(e: Evaluator) -> Expression:
+    """1 where the back of the surface is seen, else 0."""
+    return less(dot(e.graph.source("normal"), incoming(e)), 0.0)
+
+
+def normal(e: Evaluator, source: str = "shading_normal") -> Expression:
+    """Normal on the side that is seen."""
+    return e.graph.source(source) * (1.0 - 2.0 * backfacing(e))
 
 
 def in_object(e: Evaluator, other: Any = None) -> Optional[Expression]:
@@ -59,10 +76,16 @@ def _texture_coordinate(e: Evaluator, node: Any, output: Any, groups: Groups) ->
         return generated(e)
     if name == "Object":
         return in_object(e, node.object)
+    if name == "Normal" and e.reader.placed() is not None:
+        turned = e.graph.transformed(normal(e), _rows(e.reader.placed().matrix.to_3x3().transposed().to_4x4()))
+        return normalized(turned)
     if name == "Camera":
         return _in_camera(e)
     if name == "Window":
         return _in_window(e)
+    if name == "Reflection":
+        n = normal(e)
+        return n * (2.0 * dot(n, incoming(e))) - incoming(e)
     return None
 
 
@@ -84,7 +107,14 @@ def _in_window(e: Evaluator) -> Optional[Expression]:
 
 
 def _geometry(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
-    return position(e) if output.name == "Position" else None
+    values = {
+        "Position": lambda: position(e),
+        "Normal": lambda: normal(e),
+        "True Normal": lambda: normal(e, "normal"),
+        "Incoming": lambda: incoming(e),
+        "Backfacing": lambda: backfacing(e),
+    }
+    return values[output.name]() if output.name in values else None
 
 
 def _uv_map(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
@@ -122,6 +152,42 @@ def _camera_data(e: Evaluator, node: Any, output: Any, groups: Groups) -> Option
     return normalized(view) if output.name == "View Vector" else None
 
 
+def _fresnel_of(cosine: Expression, eta: Expression) -> Expression:
+    """Reflectance of a dielectric."""
+    c = absolute(cosine)
+    squared = eta * eta - 1.0 + c * c
+    g = square_root(squared)
+    a = (g - c) / (g + c)
+    b = (c * (g + c) - 1.0) / (c * (g - c) + 1.0)
+    return select(positive(squared), 0.5 * a * a * (1.0 + b * b), 1.0)
+
+
+def _has_normal(e: Evaluator, node: Any, groups: Groups) -> bool:
+    socket = node.inputs.get("Normal")
+    return socket is not None and e.reader.source(socket, groups) is not None
+
+
+def _fresnel(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    if _has_normal(e, node, groups):
+        e.reader.warn(f'the node "{node.name}" ({node.bl_label}) takes the normal of the surface, not that of its Normal socket')
+    eta = maximum(e.input(node, groups, "IOR"), 1e-5)
+    return _fresnel_of(dot(normal(e), incoming(e)), select(backfacing(e), 1.0 / eta, eta))
+
+
+def _layer_weight(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    if _has_normal(e, node, groups):
+        e.reader.warn(f'the node "{node.name}" ({node.bl_label}) takes the normal of the surface, not that of its Normal socket')
+    blend = e.input(node, groups, "Blend")
+    cosine = dot(normal(e), incoming(e))
+    if output.name == "Fresnel":
+        eta = maximum(1.0 - blend, 1e-5)
+        return _fresnel_of(cosine, select(backfacing(e), eta, 1.0 / eta))
+    bounded = maximum(blend, 0.0)
+    bounded = bounded.graph.of("minimum", a=bounded, b=1.0 - 1e-5)
+    exponent = select(less(bounded, 0.5), 2.0 * bounded, 0.5 / (1.0 - bounded))
+    return 1.0 - power(absolute(cosine), exponent)
+
+
 def _image(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
     texture = e.reader.plain_image(node, "alpha" if output.name == "Alpha" else "color")
     if texture is None:
@@ -141,6 +207,8 @@ HANDLERS: dict[str, Handler] = {
     "UVMAP": _uv_map,
     "OBJECT_INFO": _object_info,
     "CAMERA": _camera_data,
+    "FRESNEL": _fresnel,
+    "LAYER_WEIGHT": _layer_weight,
     "TEX_IMAGE": _image,
     "RGB": _constant,
     "VALUE": _constant,

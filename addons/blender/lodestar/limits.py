@@ -9,7 +9,7 @@ from .programs import Expression
 MOST_OPERATIONS = 256
 MOST_VALUES = 16
 # Operations that are quantities of the point, and take no instruction.
-SOURCES = {"uv", "position"}
+SOURCES = {"uv", "position", "normal", "shading_normal", "incoming"}
 
 
 def excess(expression: Expression) -> Optional[str]:

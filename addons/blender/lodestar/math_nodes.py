@@ -8,16 +8,53 @@ from typing import Any, Optional
 
 from .evaluator import Evaluator, Groups, Handler
 from .programs import (
-    Expression, absolute, clamp, combine, cosine, cross, dot, length, maximum, minimum, normalized, power, sine, smooth_step,
-    square_root,
-)  # fmt: skip
+    Expression, absolute, arctangent, clamp, combine, cosine, cross, dot, exponential, floor, fraction, length, less, logarithm,
+    maximum, minimum, normalized, positive, power, sign, sine, smooth_step, square_root, truncated,
+)
 
 Binary = Callable[..., Expression]
+
+
+def _wrapped(value: Expression, high: Expression, low: Expression) -> Expression:
+    span = high - low
+    return value - span * floor((value - low) / span)
+
+
+def _modulo(a: Expression, b: Expression) -> Expression:
+    """What is left of a division that rounds towards 0; 0 where the divisor is 0."""
+    return (a - b * truncated(a / b)) * absolute(sign(b))
+
+
+def _floored_modulo(a: Expression, b: Expression) -> Expression:
+    return (a - b * floor(a / b)) * absolute(sign(b))
 
 
 def _smooth_minimum(a: Expression, b: Expression, distance: Expression) -> Expression:
     h = maximum(distance - absolute(a - b), 0.0) / distance
     return minimum(a, b) - h * h * h * distance * (1.0 / 6.0)
+
+
+def _ping_pong(a: Expression, b: Expression) -> Expression:
+    return absolute(fraction((a - b) / (b * 2.0)) * b * 2.0 - b)
+
+
+def _hyperbolic(value: Expression, sign_of_second: float) -> Expression:
+    return (exponential(value) + exponential(-value) * sign_of_second) * 0.5
+
+
+def _hyperbolic_tangent(value: Expression) -> Expression:
+    decay = exponential(-2.0 * clamp(value, -20.0, 20.0))
+    return (1.0 - decay) / (1.0 + decay)
+
+
+def _arcsine(value: Expression) -> Expression:
+    x = clamp(value, -1.0, 1.0)
+    return arctangent(x, square_root((1.0 - x) * (1.0 + x)))
+
+
+def _arccosine(value: Expression) -> Expression:
+    x = clamp(value, -1.0, 1.0)
+    return arctangent(square_root((1.0 - x) * (1.0 + x)), x)
 
 
 NUMBERS: dict[str, Binary] = {
@@ -27,16 +64,39 @@ NUMBERS: dict[str, Binary] = {
     "DIVIDE": lambda a, b, c: a / b,
     "MULTIPLY_ADD": lambda a, b, c: a * b + c,
     "POWER": lambda a, b, c: power(a, b),
+    "LOGARITHM": lambda a, b, c: logarithm(a) / logarithm(b),
     "SQRT": lambda a, b, c: square_root(a),
     "INVERSE_SQRT": lambda a, b, c: 1.0 / square_root(a),
     "ABSOLUTE": lambda a, b, c: absolute(a),
+    "EXPONENT": lambda a, b, c: exponential(a),
     "MINIMUM": lambda a, b, c: minimum(a, b),
     "MAXIMUM": lambda a, b, c: maximum(a, b),
+    "LESS_THAN": lambda a, b, c: less(a, b),
+    "GREATER_THAN": lambda a, b, c: less(b, a),
+    "SIGN": lambda a, b, c: sign(a),
+    "COMPARE": lambda a, b, c: 1.0 - less(maximum(c, 1.1920929e-07), absolute(a - b)),
     "SMOOTH_MIN": _smooth_minimum,
     "SMOOTH_MAX": lambda a, b, c: -_smooth_minimum(-a, -b, c),
+    "ROUND": lambda a, b, c: floor(a + 0.5),
+    "FLOOR": lambda a, b, c: floor(a),
+    "CEIL": lambda a, b, c: -floor(-a),
+    "TRUNC": lambda a, b, c: truncated(a),
+    "FRACT": lambda a, b, c: fraction(a),
+    "MODULO": lambda a, b, c: _modulo(a, b),
+    "FLOORED_MODULO": lambda a, b, c: _floored_modulo(a, b),
+    "WRAP": _wrapped,
+    "SNAP": lambda a, b, c: floor(a / b) * b,
+    "PINGPONG": lambda a, b, c: _ping_pong(a, b),
     "SINE": lambda a, b, c: sine(a),
     "COSINE": lambda a, b, c: cosine(a),
     "TANGENT": lambda a, b, c: sine(a) / cosine(a),
+    "ARCSINE": lambda a, b, c: _arcsine(a),
+    "ARCCOSINE": lambda a, b, c: _arccosine(a),
+    "ARCTANGENT": lambda a, b, c: arctangent(a, 1.0),
+    "ARCTAN2": lambda a, b, c: arctangent(a, b),
+    "SINH": lambda a, b, c: _hyperbolic(a, -1.0),
+    "COSH": lambda a, b, c: _hyperbolic(a, 1.0),
+    "TANH": lambda a, b, c: _hyperbolic_tangent(a),
     "RADIANS": lambda a, b, c: a * (math.pi / 180.0),
     "DEGREES": lambda a, b, c: a * (180.0 / math.pi),
 }
@@ -56,6 +116,17 @@ def _reflected(a: Expression, b: Expression) -> Expression:
     return a - n * (2.0 * dot(a, n))
 
 
+def _refracted(a: Expression, b: Expression, ior: Expression) -> Expression:
+    n = normalized(b)
+    along = dot(n, a)
+    k = 1.0 - ior * ior * (1.0 - along * along)
+    return (ior * a - (ior * along + square_root(k)) * n) * (1.0 - less(k, 0.0))
+
+
+def _faced(a: Expression, b: Expression, c: Expression) -> Expression:
+    return a * (2.0 * less(dot(b, c), 0.0) - 1.0)
+
+
 # Functions of three vectors and a number.
 VECTORS: dict[str, Binary] = {
     "ADD": lambda a, b, c, s: a + b,
@@ -66,6 +137,8 @@ VECTORS: dict[str, Binary] = {
     "CROSS_PRODUCT": lambda a, b, c, s: cross(a, b),
     "PROJECT": lambda a, b, c, s: b * (dot(a, b) / dot(b, b)),
     "REFLECT": lambda a, b, c, s: _reflected(a, b),
+    "REFRACT": lambda a, b, c, s: _refracted(a, b, s),
+    "FACEFORWARD": lambda a, b, c, s: _faced(a, b, c),
     "DOT_PRODUCT": lambda a, b, c, s: dot(a, b),
     "DISTANCE": lambda a, b, c, s: length(a - b),
     "LENGTH": lambda a, b, c, s: length(a),
@@ -73,8 +146,15 @@ VECTORS: dict[str, Binary] = {
     "NORMALIZE": lambda a, b, c, s: normalized(a),
     "ABSOLUTE": lambda a, b, c, s: absolute(a),
     "POWER": lambda a, b, c, s: power(a, b),
+    "SIGN": lambda a, b, c, s: sign(a),
     "MINIMUM": lambda a, b, c, s: minimum(a, b),
     "MAXIMUM": lambda a, b, c, s: maximum(a, b),
+    "FLOOR": lambda a, b, c, s: floor(a),
+    "CEIL": lambda a, b, c, s: -floor(-a),
+    "FRACTION": lambda a, b, c, s: fraction(a),
+    "MODULO": lambda a, b, c, s: _modulo(a, b),
+    "WRAP": lambda a, b, c, s: _wrapped(a, b, c),
+    "SNAP": lambda a, b, c, s: floor(a / b) * b,
     "SINE": lambda a, b, c, s: sine(a),
     "COSINE": lambda a, b, c, s: cosine(a),
     "TANGENT": lambda a, b, c, s: sine(a) / cosine(a),
@@ -91,16 +171,21 @@ def _vector_math(e: Evaluator, node: Any, output: Any, groups: Groups) -> Option
 
 def _map_range(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
     vector = getattr(node, "data_type", "FLOAT") == "FLOAT_VECTOR"
-    names = ("From Min", "From Max", "To Min", "To Max")
-    identifiers = [f"{name.replace(' ', '_')}_FLOAT3" if vector else name for name in names]
-    value = e.input(node, groups, "Vector" if vector else "Value")
-    from_min, from_max, to_min, to_max = (e.input(node, groups, name) for name in identifiers)
-    span = from_max - from_min
-    if not vector and not (span.is_constant and span.constant[0] != 0.0):
-        return None
-    factor = (value - from_min) / span
+    suffix = "_FLOAT3" if vector else ""
+    names = ("Value" if not vector else "Vector", "From Min", "From Max", "To Min", "To Max", "Steps")
+    identifiers = (
+        ("Vector", "From_Min_FLOAT3", "From_Max_FLOAT3", "To_Min_FLOAT3", "To_Max_FLOAT3", "Steps_FLOAT3")
+        if suffix
+        else ("Value", "From Min", "From Max", "To Min", "To Max", "Steps")
+    )
+    value, from_min, from_max, to_min, to_max, steps = (
+        e.input(node, groups, identifier, name) for identifier, name in zip(identifiers, names)
+    )
+    factor = (value - from_min) / (from_max - from_min)
     kind = node.interpolation_type
-    if kind == "SMOOTHSTEP":
+    if kind == "STEPPED":
+        factor = floor(factor * (steps + 1.0)) / steps * positive(steps)
+    elif kind == "SMOOTHSTEP":
         factor = smooth_step(clamp(factor))
     elif kind == "SMOOTHERSTEP":
         t = clamp(factor)
@@ -108,7 +193,10 @@ def _map_range(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional
     elif kind != "LINEAR":
         return None
     result = to_min + factor * (to_max - to_min)
-    if node.clamp and kind == "LINEAR":
+    if not vector:
+        # A range of no width gives 0.
+        result = result * absolute(sign(from_max - from_min))
+    if node.clamp and kind in ("LINEAR", "STEPPED"):
         result = clamp(result, minimum(to_min, to_max), maximum(to_min, to_max))
     return result
 

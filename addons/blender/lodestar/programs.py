@@ -76,13 +76,6 @@ class Expression:
         return self.component(2)
 
 
-# Operations that the renderer has.
-OPERATIONS = {
-    "uv", "position", "transformed", "component", "add", "subtract", "multiply", "divide", "minimum", "maximum", "power",
-    "absolute", "sine", "square_root", "dot", "bitmap", "checker", "cylindrical",
-}  # fmt: skip
-
-
 Operand = Union[Expression, float, int, Sequence[float]]
 
 
@@ -117,7 +110,6 @@ class Graph:
         return self._simple(plugin, inputs) or self._node(plugin, inputs)
 
     def _node(self, plugin: str, inputs: dict[str, Any]) -> Expression:
-        assert plugin in OPERATIONS, plugin
         key = (plugin, tuple((name, _key(value)) for name, value in sorted(inputs.items())))
         if key not in self._known:
             self._known[key] = len(self._nodes)
@@ -136,10 +128,12 @@ class Graph:
             return b if is_all(a, 0.0) else a if is_all(b, 0.0) else None
         if plugin == "subtract" and is_all(b, 0.0):
             return a
+        if plugin == "mix":
+            return a if is_all(inputs["weight"], 0.0) else b if is_all(inputs["weight"], 1.0) else None
         return None
 
     def source(self, name: str) -> Expression:
-        """Quantity of the point: `uv` or `position`."""
+        """Quantity of the point: `uv`, `position`, `normal`, `shading_normal` or `incoming`."""
         return self._node(name, {})
 
     def transformed(self, value: Expression, rows: Rows) -> Expression:
@@ -232,8 +226,7 @@ def _add(element: xml.Element, name: str, value: Any, graph: Graph) -> xml.Eleme
 def combine(x: Operand, y: Operand, z: Operand) -> Expression:
     """Vector of three numbers, of which one at least is an expression."""
     graph = next(v.graph for v in (x, y, z) if isinstance(v, Expression))
-    axes = [[1.0 if other == at else 0.0 for other in range(3)] for at in range(3)]
-    return sum((graph.operand(value) * axis for value, axis in zip((x, y, z), axes)), graph.constant(0.0))
+    return graph.of("combine", x=x, y=y, z=z)
 
 
 def minimum(a: Expression, b: Operand) -> Expression:
@@ -249,6 +242,21 @@ def maximum(a: Expression, b: Operand) -> Expression:
 def clamp(value: Expression, low: Operand = 0.0, high: Operand = 1.0) -> Expression:
     """Value between two bounds."""
     return minimum(maximum(value, low), high)
+
+
+def less(a: Expression, b: Operand) -> Expression:
+    """1 where `a` is less than `b`, else 0."""
+    return a.graph.of("less", a=a, b=b)
+
+
+def positive(value: Expression) -> Expression:
+    """1 where a value is above 0, else 0."""
+    return less(value.graph.constant(0.0), value)
+
+
+def is_zero(value: Expression) -> Expression:
+    """1 where a value is 0, else 0."""
+    return 1.0 - positive(absolute(value))
 
 
 def select(condition: Expression, yes: Operand, no: Operand) -> Expression:
@@ -267,6 +275,26 @@ def absolute(value: Expression) -> Expression:
     return value.graph.of("absolute", value=value)
 
 
+def floor(value: Expression) -> Expression:
+    """Largest whole number that is not above the value."""
+    return value.graph.of("floor", value=value)
+
+
+def fraction(value: Expression) -> Expression:
+    """What a value exceeds its floor by."""
+    return value - floor(value)
+
+
+def truncated(value: Expression) -> Expression:
+    """Whole part, towards 0."""
+    return floor(maximum(value, 0.0)) - floor(maximum(-value, 0.0))
+
+
+def sign(value: Expression) -> Expression:
+    """-1, 0 or 1."""
+    return positive(value) - less(value, 0.0)
+
+
 def sine(value: Expression) -> Expression:
     """Sine of an angle in radians."""
     return value.graph.of("sine", value=value)
@@ -283,14 +311,25 @@ def square_root(value: Expression) -> Expression:
 
 
 def power(a: Operand, b: Operand) -> Expression:
-    """Power, of which one at least is an expression. The renderer's powers of negative numbers are 0."""
+    """Power, of which one at least is an expression."""
     graph = next(v.graph for v in (a, b) if isinstance(v, Expression))
-    base, exponent = graph.operand(a), graph.operand(b)
-    number = exponent.constant[0]
-    if exponent.is_constant and len(set(exponent.constant)) == 1 and number == round(number):
-        positive_power = graph.of("power", a=absolute(base), b=number - number % 2.0)
-        return positive_power * base if number % 2.0 else positive_power
-    return graph.of("power", a=base, b=exponent)
+    return graph.of("power", a=a, b=b)
+
+
+def exponential(value: Expression) -> Expression:
+    """Power of Euler's number."""
+    return value.graph.of("exponential", value=value)
+
+
+def logarithm(value: Expression) -> Expression:
+    """Natural logarithm; 0 where the value is not positive."""
+    return value.graph.of("logarithm", value=value)
+
+
+def arctangent(y: Operand, x: Operand) -> Expression:
+    """Angle of the point (x, y) in radians."""
+    graph = next(v.graph for v in (y, x) if isinstance(v, Expression))
+    return graph.of("arctangent", a=y, b=x)
 
 
 def dot(a: Expression, b: Operand) -> Expression:

@@ -338,47 +338,40 @@ def computed() -> Any:
         return made
 
     def ground(tree: Any) -> Any:
-        wave, ramp = node(tree, "TexWave", Scale=0.9, bands_direction="DIAGONAL"), node(tree, "ValToRGB")
-        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.2, (0.05, 0.2, 0.6, 1)
-        ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.8, (0.9, 0.7, 0.3, 1)
-        tree.links.new(wave.outputs[0], ramp.inputs[0])
+        noise, ramp = node(tree, "TexNoise", Scale=3.0, Detail=3.0), node(tree, "ValToRGB")
+        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.35, (0.05, 0.2, 0.6, 1)
+        ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.65, (0.9, 0.7, 0.3, 1)
+        tree.links.new(noise.outputs[0], ramp.inputs[0])
         return shader(tree, "ShaderNodeBsdfDiffuse", Color=ramp.outputs[0]).outputs[0]
 
     def tiles(tree: Any) -> Any:
-        gradient, checker = node(tree, "TexGradient", gradient_type="SPHERICAL"), node(tree, "TexChecker", Scale=5.0)
+        voronoi, checker = node(tree, "TexVoronoi", Scale=4.0), node(tree, "TexChecker", Scale=5.0)
         place = tree.nodes.new("ShaderNodeTexCoord")
-        tree.links.new(place.outputs["Object"], gradient.inputs["Vector"])
+        tree.links.new(place.outputs["Object"], voronoi.inputs["Vector"])
         tree.links.new(place.outputs["UV"], checker.inputs["Vector"])
-        mixed = node(tree, "Mix", data_type="RGBA", blend_type="SCREEN")
+        mixed = node(tree, "Mix", data_type="RGBA", blend_type="MULTIPLY")
         mixed.inputs["Factor"].default_value = 0.8
         a, b = (next(s for s in mixed.inputs if s.identifier == name) for name in ("A_Color", "B_Color"))
-        tree.links.new(gradient.outputs["Color"], a)
+        tree.links.new(voronoi.outputs["Color"], a)
         tree.links.new(checker.outputs["Color"], b)
         result = next(s for s in mixed.outputs if s.identifier == "Result_Color")
         first = shader(tree, "ShaderNodeBsdfDiffuse", Color=result)
         second = shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.9, 0.2, 0.1))
-        power, mix = node(tree, "Math", operation="POWER"), tree.nodes.new("ShaderNodeMixShader")
-        power.inputs[1].default_value = 3.0
-        tree.links.new(gradient.outputs[1], power.inputs[0])
-        tree.links.new(power.outputs[0], mix.inputs[0])
+        wave, mix = node(tree, "TexWave", Scale=0.7), tree.nodes.new("ShaderNodeMixShader")
+        tree.links.new(wave.outputs["Fac" if "Fac" in wave.outputs else "Factor"], mix.inputs[0])
         tree.links.new(first.outputs[0], mix.inputs[1])
         tree.links.new(second.outputs[0], mix.inputs[2])
         return mix.outputs[0]
 
     def numbered(tree: Any) -> Any:
-        info, mixed = tree.nodes.new("ShaderNodeObjectInfo"), tree.nodes.new("ShaderNodeMixRGB")
-        mixed.inputs[1].default_value, mixed.inputs[2].default_value = (0.8, 0.1, 0.1, 1), (0.1, 0.3, 0.9, 1)
-        tree.links.new(info.outputs["Random"], mixed.inputs[0])
-        return shader(tree, "ShaderNodeBsdfDiffuse", Color=mixed.outputs[0]).outputs[0]
+        info, hsv = tree.nodes.new("ShaderNodeObjectInfo"), node(tree, "HueSaturation", Color=(0.8, 0.2, 0.2, 1))
+        tree.links.new(info.outputs["Random"], hsv.inputs["Hue"])
+        return shader(tree, "ShaderNodeBsdfDiffuse", Color=hsv.outputs[0]).outputs[0]
 
     def bumps(tree: Any) -> Any:
-        """Two bump maps over each other."""
-        fine, coarse = (node(tree, "TexWave", Scale=scale, wave_type="RINGS") for scale in (2.0, 0.6))
-        below, above = node(tree, "Bump", Distance=0.03), node(tree, "Bump", Distance=0.02)
-        tree.links.new(coarse.outputs[1], below.inputs["Height"])
-        tree.links.new(fine.outputs[1], above.inputs["Height"])
-        tree.links.new(below.outputs[0], above.inputs["Normal"])
-        return shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.7, 0.7), Normal=above.outputs[0]).outputs[0]
+        magic, bump = node(tree, "TexMagic", Scale=2.0), node(tree, "Bump", Distance=0.05)
+        tree.links.new(magic.outputs[1], bump.inputs["Height"])
+        return shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.7, 0.7), Normal=bump.outputs[0]).outputs[0]
 
     plane(scene, "ground", 3, material("ground", ground), location=(-1.6, 0, 0))
     plane(scene, "tiles", 3, material("tiles", tiles), location=(1.6, 0, 0), rotation=(0.2, 0.1, 0))

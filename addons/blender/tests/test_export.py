@@ -53,30 +53,25 @@ def test_unchanged_meshes_are_not_written_again(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("*.ply"))) == 2, "the mesh that was replaced is removed"
 
 
-def noise(tree: Any) -> Any:
-    texture = tree.nodes.new("ShaderNodeTexNoise")
-    return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=texture.outputs["Color"]).outputs[0]
-
-
-def occlusion(tree: Any) -> Any:
+def bevel(tree: Any) -> Any:
     """A node that no program can say, below one that it can."""
     node, math = tree.nodes.new("ShaderNodeAmbientOcclusion"), tree.nodes.new("ShaderNodeMath")
     tree.links.new(node.outputs["AO"], math.inputs[0])
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=math.outputs[0]).outputs[0]
 
 
-def shared_texture(tree: Any) -> Any:
-    """A texture that two sockets take, through other nodes."""
-    texture, gamma = tree.nodes.new("ShaderNodeTexChecker"), tree.nodes.new("ShaderNodeGamma")
+def shared_noise(tree: Any) -> Any:
+    """A noise that two sockets take, through other nodes."""
+    texture, gamma = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeGamma")
     gamma.inputs["Gamma"].default_value = 2.0
-    tree.links.new(texture.outputs[1], gamma.inputs["Color"])
-    inputs = {"Base_Color": gamma.outputs[0], "Roughness": texture.outputs[1]}
+    tree.links.new(texture.outputs[0], gamma.inputs["Color"])
+    inputs = {"Base_Color": gamma.outputs[0], "Roughness": texture.outputs[0]}
     return scenes.shader(tree, "ShaderNodeBsdfPrincipled", **inputs).outputs[0]
 
 
 def computed_emission(tree: Any) -> Any:
     """Light whose color is computed."""
-    texture = tree.nodes.new("ShaderNodeTexChecker")
+    texture = tree.nodes.new("ShaderNodeTexNoise")
     return scenes.shader(tree, "ShaderNodeEmission", Color=texture.outputs["Color"]).outputs[0]
 
 
@@ -108,7 +103,7 @@ def wide_bump(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Normal=bump.outputs["Normal"]).outputs[0]
 
 
-UNSUPPORTED = [(noise, "Noise Texture"), (occlusion, "Ambient Occlusion"), (toon, "Toon BSDF"), (computed_emission, "a computed Color of emitted light")]
+UNSUPPORTED = [(bevel, "Ambient Occlusion"), (toon, "Toon BSDF"), (computed_emission, "a computed Color of emitted light")]
 # Blender before 4.5 has no Filter Width.
 if bpy.app.version >= (4, 5, 0):
     UNSUPPORTED.append((wide_bump, "Filter Width 4"))
@@ -129,19 +124,19 @@ def test_supported_nodes_are_not_reported(tmp_path: Path) -> None:
 
 
 def test_parts_of_programs_are_written_once(tmp_path: Path) -> None:
-    minimal(lambda: scenes.material("shared", shared_texture))
+    minimal(lambda: scenes.material("shared", shared_noise))
     found = exported(tmp_path)
     assert found.report.warnings == []
-    assert found.scene_file.read_text().count('type="checker"') == 1
+    assert found.scene_file.read_text().count('type="noise_3d"') == 1
 
 
 def large_graph(tree: Any) -> Any:
-    """A chain of 300 different textures."""
+    """A chain of 300 different noises."""
     value = None
     for at in range(300):
-        texture, add = tree.nodes.new("ShaderNodeTexChecker"), tree.nodes.new("ShaderNodeMath")
-        texture.inputs["Scale"].default_value = 1.0 + at
-        tree.links.new(texture.outputs[1], add.inputs[0])
+        noise, add = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeMath")
+        noise.inputs["Scale"].default_value = 1.0 + at
+        tree.links.new(noise.outputs[0], add.inputs[0])
         if value is not None:
             tree.links.new(value, add.inputs[1])
         value = add.outputs[0]
@@ -152,22 +147,22 @@ def test_graphs_that_are_too_large_are_named(tmp_path: Path) -> None:
     minimal(lambda: scenes.material("large", large_graph))
     found = exported(tmp_path)
     assert "needs more than 256 operations; Color takes its default value" in found.report
-    assert "checker" not in found.scene_file.read_text()
+    assert "noise_3d" not in found.scene_file.read_text()
 
 
 def test_each_object_has_its_own_coordinates(tmp_path: Path) -> None:
     """Generated coordinates differ from object to object, and a constant material does not."""
-    scene = minimal(lambda: scenes.material("shared", shared_texture))
+    scene = minimal(lambda: scenes.material("shared", shared_noise))
     scenes.plane(scene, "other", 2, bpy.data.materials["shared"], location=(0, 0, 1))
     text = exported(tmp_path).scene_file.read_text()
-    assert len(re.findall('<bsdf [^>]*id="material shared of ', text)) == 2 and text.count('type="checker"') == 2
+    assert len(re.findall('<bsdf [^>]*id="material shared of ', text)) == 2 and text.count('type="noise_3d"') == 2
 
 
 def test_a_computed_world_is_named(tmp_path: Path) -> None:
     scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
     tree = scene.world.node_tree
-    checker, background = tree.nodes.new("ShaderNodeTexChecker"), next(n for n in tree.nodes if n.type == "BACKGROUND")
-    tree.links.new(checker.outputs["Color"], background.inputs["Color"])
+    noise, background = tree.nodes.new("ShaderNodeTexNoise"), next(n for n in tree.nodes if n.type == "BACKGROUND")
+    tree.links.new(noise.outputs["Color"], background.inputs["Color"])
     assert "a computed color of the world is not supported" in exported(tmp_path).report
 
 

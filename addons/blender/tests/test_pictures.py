@@ -20,7 +20,7 @@ ROWS = [
     ("glass", 256, 0.02, 0.005),
     ("instances", 128, 0.03, 0.005),
     ("relief_from_above", 32, 0.005, 0.002),
-    ("computed", 128, 0.02, 0.005),
+    ("computed", 128, 0.03, 0.01),
 ]
 # Cycles before 4.5 darkens slopes more (scenes.relief_from_above).
 if bpy.app.version >= (4, 5, 0):

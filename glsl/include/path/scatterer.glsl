@@ -14,13 +14,14 @@ bool has_choices() {
     return has_kind(MATERIAL_BLEND) || has_kind(MATERIAL_SIDES);
 }
 
-TexturePoint texture_point(Surface surface) {
-    return TexturePoint(surface.uv, surface.position, surface.geometric_normal);
+// Point of a surface that is met from the direction `wo`, in world space.
+TexturePoint texture_point(Surface surface, vec3 wo) {
+    return TexturePoint(surface.uv, surface.position, surface.geometric_normal, surface.shading_normal, wo);
 }
 
-Bsdf textured_bsdf(uint material, Surface surface) {
+Bsdf textured_bsdf(uint material, Surface surface, vec3 wo) {
     Bsdf bsdf = untextured_bsdf(material);
-    if (has_feature(FEATURE_TEXTURES)) apply_textures(bsdf, material, texture_point(surface));
+    if (has_feature(FEATURE_TEXTURES)) apply_textures(bsdf, material, texture_point(surface, wo));
     return bsdf;
 }
 
@@ -34,14 +35,15 @@ bool choose_first(inout float u, float share) {
 
 // The material that scatters, of those that the surface's material chooses between: a blend chooses by chance, two sides by the side that
 // is met.
-uint chosen_material(Surface surface, bool behind, inout float u) {
+uint chosen_material(Surface surface, vec3 wo, inout float u) {
+    bool behind = dot(wo, surface.shading_normal) < 0.0;
     uint material = surface.material;
     bool more = true;
     for (uint i = 0u; i < MAX_CHOICES && more; ++i) {
         uint kind = material_kind_and_flags(material) & MATERIAL_KIND_MASK;
         bool first = !behind;
         if (has_kind(MATERIAL_BLEND)) {
-            float second_share = clamp(mixture_of(textured_bsdf(material, surface)).second_share, 0.0, 1.0);
+            float second_share = clamp(mixture_of(textured_bsdf(material, surface, wo)).second_share, 0.0, 1.0);
             if (kind == MATERIAL_BLEND) first = choose_first(u, 1.0 - second_share);
         }
         more = kind == MATERIAL_BLEND || kind == MATERIAL_SIDES;
@@ -50,14 +52,15 @@ uint chosen_material(Surface surface, bool behind, inout float u) {
     return material;
 }
 
-// The frame that a bump or normal map tilts, relative to the frame `upright`, whose normal is on the front.
-mat3 tilted_frame(Surface surface, mat3 upright, uint material, vec3 wo) {
+// The frame that a bump or normal map tilts, relative to the frame `upright`, whose normal is on the front. The surface is met from
+// the direction `wo` in that frame, which is `world_wo` in world space.
+mat3 tilted_frame(Surface surface, mat3 upright, uint material, vec3 wo, vec3 world_wo) {
     uint flags = material_kind_and_flags(material);
     uint relief = material_material1_or_relief(material);
     vec3 n = vec3(0.0, 0.0, 1.0);
     if (has_feature(FEATURE_BUMP) && (flags & MATERIAL_BUMP) != 0u) {
         vec2 gradient = material_relief_scale(material) *
-            height_gradient(relief, texture_point(surface), surface.dp_du, surface.dp_dv);
+            height_gradient(relief, texture_point(surface, world_wo), surface.dp_du, surface.dp_dv);
         n = bump_normal(surface.dp_du * upright, surface.dp_dv * upright, gradient, surface.geometric_normal * upright);
     }
     if (has_feature(FEATURE_NORMAL_MAP) && (flags & MATERIAL_NORMAL_MAP) != 0u) {
@@ -79,7 +82,7 @@ void mirror_behind(inout Scatterer scatterer) {
 // direction `wo`, in world space. It has a hole where `u` is not below its opacity.
 Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
     Scatterer scatterer;
-    scatterer.bsdf = textured_bsdf(material, surface);
+    scatterer.bsdf = textured_bsdf(material, surface, wo);
     scatterer.passes = has_feature(FEATURE_OPACITY) && u >= mixture_of(scatterer.bsdf).opacity;
     scatterer.frame = shading_frame(surface);
     scatterer.upright = vec3(0.0, 0.0, 1.0);
@@ -88,7 +91,7 @@ Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
     bool relief_outside = has_feature(FEATURE_RELIEF_OUTSIDE) && bsdf_flag(scatterer.bsdf, MATERIAL_RELIEF_OUTSIDE);
     if (!relief_outside) mirror_behind(scatterer);
     if (has_relief() && !scatterer.passes) {
-        mat3 tilted = tilted_frame(surface, front, material, scatterer.wo);
+        mat3 tilted = tilted_frame(surface, front, material, scatterer.wo, wo);
         scatterer.frame = scatterer.frame * tilted;
         scatterer.wo = scatterer.wo * tilted;
         scatterer.upright = upright_in(tilted);
@@ -103,7 +106,7 @@ Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
     uint material = surface.material;
     float u = 0.0;
     if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
-    if (has_choices()) material = chosen_material(surface, dot(wo, surface.shading_normal) < 0.0, u);
+    if (has_choices()) material = chosen_material(surface, wo, u);
     return scatterer_of_part(surface, wo, material, u);
 }
 

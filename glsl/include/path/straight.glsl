@@ -74,7 +74,7 @@ vec3 straight_share(Surface surface, vec3 wo) {
         uint second = material_material1_or_relief(part.material);
         bool passes = has_flag(part.material, MATERIAL_LETS_THROUGH) && part.probability > 0.0;
         if (passes && kind == MATERIAL_BLEND && count < MAX_CHOICES) {
-            float second_share = clamp(mixture_of(textured_bsdf(part.material, surface)).second_share, 0.0, 1.0);
+            float second_share = clamp(mixture_of(textured_bsdf(part.material, surface, wo)).second_share, 0.0, 1.0);
             parts[count] = MaterialPart(first, part.probability * (1.0 - second_share));
             parts[count + 1u] = MaterialPart(second, part.probability * second_share);
             count += 2u;

@@ -143,7 +143,8 @@ const uint TEXTURE_TRANSFORMED = 512u;
 const uint TEXTURE_HEIGHTS = 1024u;
 const uint TEXTURE_PROGRAM = 2048u;
 
-// Operation of a program of textures. PROGRAM_OPERATIONS has a bit for each operation that the scene uses.
+// Operation of a program of textures. PROGRAM_OPERATIONS and PROGRAM_LATER_OPERATIONS have a bit for each operation that the scene
+// uses: the first for those below 32, the second for the others.
 const uint OPERATION_TRANSFORM = 0u;
 const uint OPERATION_SPHERICAL = 1u;
 const uint OPERATION_CYLINDRICAL = 2u;
@@ -167,12 +168,57 @@ const uint OPERATION_DOTS = 19u;
 const uint OPERATION_FBM = 20u;
 const uint OPERATION_WRINKLED = 21u;
 const uint OPERATION_MARBLE = 22u;
+const uint OPERATION_FLOOR = 23u;
+const uint OPERATION_LESS = 24u;
+const uint OPERATION_EXPONENTIAL = 25u;
+const uint OPERATION_LOGARITHM = 26u;
+const uint OPERATION_ARCTANGENT = 27u;
+const uint OPERATION_COMBINE = 28u;
+const uint OPERATION_HSV_FROM_RGB = 29u;
+const uint OPERATION_RGB_FROM_HSV = 30u;
+const uint OPERATION_HSL_FROM_RGB = 31u;
+const uint OPERATION_RGB_FROM_HSL = 32u;
+const uint OPERATION_TABLE = 33u;
+const uint OPERATION_WHITE_NOISE = 34u;
+const uint OPERATION_NOISE_1D = 35u;
+const uint OPERATION_NOISE_2D = 36u;
+const uint OPERATION_NOISE_3D = 37u;
+const uint OPERATION_NOISE_4D = 38u;
+const uint OPERATION_VORONOI_1D = 39u;
+const uint OPERATION_VORONOI_2D = 40u;
+const uint OPERATION_VORONOI_3D = 41u;
+const uint OPERATION_VORONOI_4D = 42u;
+const uint OPERATION_BRICKS = 43u;
 
 // Operand of an operation: a register below PROGRAM_REGISTERS, or one of these.
 const uint OPERAND_CONSTANT = 16u;
 const uint OPERAND_UV = 17u;
 const uint OPERAND_POSITION = 18u;
 const uint OPERAND_NORMAL = 19u;
+const uint OPERAND_SHADING_NORMAL = 20u;
+const uint OPERAND_INCOMING = 21u;
+
+// Sum of the octaves of a noise.
+const uint FRACTAL_FBM = 0u;
+const uint FRACTAL_MULTIFRACTAL = 1u;
+const uint FRACTAL_HYBRID = 2u;
+const uint FRACTAL_RIDGED = 3u;
+const uint FRACTAL_TERRAIN = 4u;
+
+// Quantity of a Voronoi diagram, measure of its distances, and what is asked of it.
+const uint VORONOI_NEAREST = 0u;
+const uint VORONOI_SECOND = 1u;
+const uint VORONOI_SMOOTH = 2u;
+const uint VORONOI_EDGE = 3u;
+const uint VORONOI_RADIUS = 4u;
+const uint METRIC_EUCLIDEAN = 0u;
+const uint METRIC_MANHATTAN = 1u;
+const uint METRIC_CHEBYCHEV = 2u;
+const uint METRIC_MINKOWSKI = 3u;
+const uint VORONOI_DISTANCE = 0u;
+const uint VORONOI_COLOR = 1u;
+const uint VORONOI_POSITION = 2u;
+const uint VORONOI_W = 3u;
 
 // Number of a material's first color or scalar parameter, as counted by the links from materials to textures.
 const uint PARAMETER_COLOR0 = 0u;

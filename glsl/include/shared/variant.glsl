@@ -107,8 +107,10 @@ layout(constant_id = 51) const uint TEXTURED_PARAMETERS = 0u;
 layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = TEXTURE_LINKS;
 // Number of buffers over which the texel words are distributed.
 layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
-// Operations of programs of textures in the scene: bit 1 << operation for each.
+// Operations of programs of textures in the scene: bit 1 << operation for each below 32.
 layout(constant_id = 70) const uint PROGRAM_OPERATIONS = 0u;
+// The other operations of programs: bit 1 << operation - 32.
+layout(constant_id = 71) const uint PROGRAM_LATER_OPERATIONS = 0u;
 // Kind of camera: CAMERA_*.
 layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
 
@@ -129,7 +131,7 @@ bool has_textures(uint kinds) {
 }
 
 bool has_operation(uint operation) {
-    return (PROGRAM_OPERATIONS & (1u << operation)) != 0u;
+    return ((operation < 32u ? PROGRAM_OPERATIONS : PROGRAM_LATER_OPERATIONS) & (1u << (operation & 31u))) != 0u;
 }
 
 bool is_textured(uint parameter) {

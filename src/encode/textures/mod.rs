@@ -24,7 +24,7 @@ pub struct PackedTextures {
     /// `TEXTURE_*` bits of all textures.
     pub kinds: u32,
     /// Bits `1 << OPERATION_*` of the operations of all programs.
-    pub operations: u32,
+    pub operations: u64,
 }
 
 impl PackedTextures {

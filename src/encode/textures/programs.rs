@@ -1,10 +1,13 @@
 //! Words of programs (`glsl/include/texture/program.glsl`). Each instruction is a word with its operation and the places of its
 //! operands, then the constants among the operands, then the operation's numbers.
 
+use std::collections::HashMap;
+
 use crate::generated::constants::{
-    OPERAND_CONSTANT, OPERAND_NORMAL, OPERAND_POSITION, OPERAND_UV, PROGRAM_LENGTH_SHIFT, PROGRAM_OPERAND_BITS,
-    PROGRAM_OPERAND_SHIFT, PROGRAM_OUTPUT_SHIFT,
+    OPERAND_CONSTANT, OPERAND_INCOMING, OPERAND_NORMAL, OPERAND_POSITION, OPERAND_SHADING_NORMAL, OPERAND_UV,
+    PROGRAM_LENGTH_SHIFT, PROGRAM_OPERAND_BITS, PROGRAM_OPERAND_SHIFT, PROGRAM_OUTPUT_SHIFT,
 };
+use crate::scene::program::operation::Parameter;
 use crate::scene::program::{Instruction, Place};
 use crate::scene::texture::{Pattern, Texture};
 
@@ -28,7 +31,7 @@ pub(super) struct Programs {
     /// Address of each texture's program; 0 for other textures.
     pub addresses: Vec<u32>,
     /// Bits `1 << OPERATION_*`.
-    pub operations: u32,
+    pub operations: u64,
 }
 
 impl Programs {
@@ -46,6 +49,10 @@ impl Programs {
         {
             words.extend(PERMUTATION.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)));
         }
+        let mut tables = HashMap::new();
+        for program in all() {
+            append_tables(&program.instructions, &mut tables, words);
+        }
         for texture in textures {
             let Pattern::Program(program) = &texture.pattern else {
                 programs.addresses.push(0);
@@ -54,14 +61,33 @@ impl Programs {
             programs.addresses.push(words.len() as u32);
             for instruction in &program.instructions {
                 programs.operations |= 1 << instruction.operation.row().code;
-                append_instruction(instruction, table, words);
+                append_instruction(instruction, table, &tables, words);
             }
         }
         programs
     }
 }
 
-fn append_instruction(instruction: &Instruction, table: u32, words: &mut Vec<u32>) {
+/// Appends the tables that instructions look up, each once.
+fn append_tables<'p>(instructions: &'p [Instruction], tables: &mut HashMap<&'p [u32], u32>, words: &mut Vec<u32>) {
+    for instruction in instructions {
+        let Some((_, table)) = split_table(instruction) else { continue };
+        tables.entry(table).or_insert_with(|| {
+            words.extend(table);
+            (words.len() - table.len()) as u32
+        });
+    }
+}
+
+/// Numbers of an instruction before its table, and the table; `None` where it has no table.
+fn split_table(instruction: &Instruction) -> Option<(&[u32], &[u32])> {
+    let parameters = instruction.operation.row().parameters;
+    let (Parameter::Table(_), before) = parameters.split_last()? else { return None };
+    instruction.numbers.split_at_checked(before.len())
+}
+
+/// Appends an instruction. `noise` is the address of the permutation, `tables` has those of tables.
+fn append_instruction(instruction: &Instruction, noise: u32, tables: &HashMap<&[u32], u32>, words: &mut Vec<u32>) {
     let Instruction { operation, operands, numbers, output } = instruction;
     let first = words.len();
     let mut head = operation.row().code | u32::from(*output) << PROGRAM_OUTPUT_SHIFT;
@@ -76,12 +102,20 @@ fn append_instruction(instruction: &Instruction, table: u32, words: &mut Vec<u32
             Place::Uv => OPERAND_UV,
             Place::Position => OPERAND_POSITION,
             Place::Normal => OPERAND_NORMAL,
+            Place::ShadingNormal => OPERAND_SHADING_NORMAL,
+            Place::Incoming => OPERAND_INCOMING,
         };
         head |= place << (PROGRAM_OPERAND_SHIFT + at as u32 * PROGRAM_OPERAND_BITS);
     }
-    words.extend(numbers);
+    match split_table(instruction) {
+        Some((before, table)) => {
+            words.extend(before);
+            words.extend([tables.get(table).copied().unwrap_or(0), table.len() as u32 / 3]);
+        }
+        None => words.extend(numbers),
+    }
     if operation.needs_noise_table() {
-        words.push(table);
+        words.push(noise);
     }
     words[first] = head | ((words.len() - first - 1) as u32) << PROGRAM_LENGTH_SHIFT;
 }

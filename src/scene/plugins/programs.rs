@@ -18,14 +18,22 @@ use crate::scene::program::schedule::schedule;
 use crate::scene::program::{Operation, Program};
 
 /// Plugins of inputs.
-const SOURCES: [(&str, Operand); 3] =
-    [("uv", Operand::Uv), ("position", Operand::Position), ("normal", Operand::Normal)];
+const SOURCES: [(&str, Operand); 5] = [
+    ("uv", Operand::Uv),
+    ("position", Operand::Position),
+    ("normal", Operand::Normal),
+    ("shading_normal", Operand::ShadingNormal),
+    ("incoming", Operand::Incoming),
+];
 
 /// Deepest nesting of computed textures.
 const MAX_DEPTH: usize = 256;
 
 /// Most operations that are read. After that, equal and dead parts are taken out.
 const MAX_NODES: usize = 16 * MAX_PROGRAM_LENGTH as usize;
+
+/// Most entries of a table.
+const MAX_ENTRIES: usize = 65_536;
 
 /// Value of a texture that is computed.
 pub(super) enum Computed {
@@ -176,17 +184,33 @@ impl<'a> Reader<'_, 'a> {
                 Parameter::Number(name, default) => {
                     numbers.push(properties.float(name)?.unwrap_or(default).to_bits());
                 }
+                Parameter::Choice(name, words) => numbers.push(choice(&mut properties, name, words)?),
+                Parameter::Table(name) => numbers.extend(table(&mut properties, name)?),
                 Parameter::Matrix(name) => numbers.extend(affine(&properties.take_transform(name)?)),
                 // A `bitmap` is read as such.
                 Parameter::Texture => {}
             }
         }
         properties.finish(self.warnings)?;
+        if operands.len() > 3 {
+            operands = self.packed(&operands);
+        }
         let kind = match row.gives {
             Gives::One(kind) => kind,
             Gives::AsInputs => kinds.into_iter().find(|&kind| kind != ValueKind::Number).unwrap_or(ValueKind::Number),
         };
         Ok(Typed { operand: self.graph.add(operation, &operands, &numbers), kind })
+    }
+
+    /// Operands of an operation with many inputs: the first, and vectors of three numbers each.
+    fn packed(&mut self, operands: &[Operand]) -> Vec<Operand> {
+        let zero = Operand::Constant(Vec3::ZERO);
+        let mut packed = vec![operands[0]];
+        for numbers in operands[1..].chunks(3) {
+            let three = [0, 1, 2].map(|at| numbers.get(at).copied().unwrap_or(zero));
+            packed.push(self.graph.add(Operation::Combine, &three, &[]));
+        }
+        packed
     }
 
     /// Reads a constant or a texture; `default` is the number where neither is given.
@@ -273,6 +297,33 @@ impl<'a> Reader<'_, 'a> {
                 self.graph.add(Operation::Dot, &[typed.operand, third], &[])
             }
         }
+    }
+}
+
+/// Index of a word among those that a parameter may be.
+fn choice(properties: &mut Properties, name: &str, words: &[&str]) -> Result<u32> {
+    let location = properties.location(name);
+    let Some(found) = properties.string(name)? else { return Ok(0) };
+    let index = words.iter().position(|word| *word == found);
+    index
+        .map(|index| index as u32)
+        .ok_or_else(|| location.error(format!("the {name} `{found}` is not known; use one of {}", words.join(", "))))
+}
+
+/// Bits of a table's numbers.
+fn table(properties: &mut Properties, name: &str) -> Result<Vec<u32>> {
+    let location = properties.location(name);
+    let text = properties.string(name)?.unwrap_or_default();
+    let words = text.split([' ', ',', '\n', '\t']).filter(|word| !word.is_empty());
+    let numbers: Option<Vec<f32>> =
+        words.map(|word| word.parse().ok().filter(|number: &f32| number.is_finite())).collect();
+    match numbers {
+        Some(numbers) if !numbers.is_empty() && numbers.len() % 3 == 0 && numbers.len() / 3 <= MAX_ENTRIES => {
+            Ok(numbers.into_iter().map(f32::to_bits).collect())
+        }
+        _ => Err(location.error(format!(
+            "`{name}` of a table must be finite numbers, three for each of its entries, of which there are at most {MAX_ENTRIES}"
+        ))),
     }
 }
 

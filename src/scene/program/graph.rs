@@ -18,6 +18,10 @@ pub enum Operand {
     Position,
     /// Geometric normal in world space.
     Normal,
+    /// Shading normal in world space.
+    ShadingNormal,
+    /// Unit vector to where the surface is seen from, in world space.
+    Incoming,
     /// Value of the graph's node of that number.
     Node(u32),
 }
@@ -34,6 +38,8 @@ impl Operand {
             Self::Position => [2, 0, 0, 0],
             Self::Normal => [3, 0, 0, 0],
             Self::Node(node) => [4, node, 0, 0],
+            Self::ShadingNormal => [5, 0, 0, 0],
+            Self::Incoming => [6, 0, 0, 0],
         }
     }
 }
@@ -118,7 +124,7 @@ impl Graph {
         let of = |means: &[Vec3], operand: Operand| match operand {
             Operand::Constant(value) => value,
             Operand::Uv => Vec3::splat(0.5),
-            Operand::Position | Operand::Normal => Vec3::ZERO,
+            Operand::Position | Operand::Normal | Operand::ShadingNormal | Operand::Incoming => Vec3::ZERO,
             Operand::Node(node) => means.get(node as usize).copied().unwrap_or_default(),
         };
         for Node { operation, inputs, numbers } in &self.nodes {

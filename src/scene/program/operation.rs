@@ -57,6 +57,10 @@ pub enum Parameter {
     Number(&'static str, f32),
     /// Affine map of a point: twelve numbers, row by row.
     Matrix(&'static str),
+    /// One of these words, whose index is the number: the parameter's name, and the words. The first is the default.
+    Choice(&'static str, &'static [&'static str]),
+    /// Entries of three numbers each, as a string of numbers. They follow the operation's other numbers.
+    Table(&'static str),
     /// Index into `Scene::textures`: an image or a pattern.
     Texture,
 }
@@ -68,7 +72,7 @@ pub struct Row {
     pub plugin: &'static str,
     /// Its number in kernels: `OPERATION_*`.
     pub code: u32,
-    /// Inputs, at most three.
+    /// Inputs. Where they are more than three, all but the first are numbers, of which each three make one vector.
     pub inputs: &'static [Input],
     /// Numbers that are the same everywhere.
     pub parameters: &'static [Parameter],
@@ -87,6 +91,14 @@ const fn number(name: &'static str, default: f32) -> Input {
 }
 
 const COORDINATES: Input = Input { name: "coordinates", takes: Takes::Coordinates, default: None };
+const W: Input = number("w", 0.0);
+const FRACTALS: Parameter =
+    Parameter::Choice("kind", &["fbm", "multifractal", "hybrid_multifractal", "ridged_multifractal", "hetero_terrain"]);
+const FEATURES: Parameter =
+    Parameter::Choice("feature", &["f1", "f2", "smooth_f1", "distance_to_edge", "n_sphere_radius"]);
+const METRICS: Parameter = Parameter::Choice("metric", &["euclidean", "manhattan", "chebychev", "minkowski"]);
+const OUTPUTS: Parameter = Parameter::Choice("output", &["distance", "color", "position", "w"]);
+const NORMALIZE: Parameter = Parameter::Whole("normalize", 1, 1);
 const NUMBER: Gives = Gives::One(Kind::Number);
 const VECTOR: Gives = Gives::One(Kind::Vector);
 const COLOR: Gives = Gives::One(Kind::Color);
@@ -138,7 +150,7 @@ operations! {
     Minimum = "minimum", OPERATION_MINIMUM, [any("a"), any("b")], [], Gives::AsInputs, None;
     /// Larger of two.
     Maximum = "maximum", OPERATION_MAXIMUM, [any("a"), any("b")], [], Gives::AsInputs, None;
-    /// Power; 0 where the base is not positive, but 1 where the exponent is 0.
+    /// Power; 1 where the exponent is 0, else 0 where the base is 0, or negative and the exponent no whole number.
     Power = "power", OPERATION_POWER, [any("a"), any("b")], [], Gives::AsInputs, None;
     /// Absolute value.
     Absolute = "absolute", OPERATION_ABSOLUTE, [any("value")], [], Gives::AsInputs, None;
@@ -166,6 +178,77 @@ operations! {
         [Parameter::Whole("octaves", 8, MAX_OCTAVES), Parameter::Number("roughness", 0.5)], NUMBER, Some(0.4);
     /// Color of pbrt's marble for a number in [0, 1].
     Marble = "marble_color", OPERATION_MARBLE, [number("value", 0.0)], [], COLOR, Some(0.8);
+    /// Largest whole number that is not above the value.
+    Floor = "floor", OPERATION_FLOOR, [any("value")], [], Gives::AsInputs, None;
+    /// 1 where the first is less than the second, else 0.
+    Less = "less", OPERATION_LESS, [any("a"), any("b")], [], Gives::AsInputs, None;
+    /// Power of Euler's number.
+    Exponential = "exponential", OPERATION_EXPONENTIAL, [any("value")], [], Gives::AsInputs, None;
+    /// Natural logarithm; 0 where the value is not positive.
+    Logarithm = "logarithm", OPERATION_LOGARITHM, [any("value")], [], Gives::AsInputs, None;
+    /// Angle of the point (b, a) in radians; 0 where both are 0.
+    Arctangent = "arctangent", OPERATION_ARCTANGENT, [any("a"), any("b")], [], Gives::AsInputs, None;
+    /// Vector of three numbers.
+    Combine = "combine", OPERATION_COMBINE, [number("x", 0.0), number("y", 0.0), number("z", 0.0)], [], VECTOR, None;
+    /// Hue in turns, saturation and value of a color.
+    HsvFromRgb = "hsv_from_rgb", OPERATION_HSV_FROM_RGB, [any("value")], [], VECTOR, Some(0.5);
+    /// Color of a hue in turns, a saturation and a value.
+    RgbFromHsv = "rgb_from_hsv", OPERATION_RGB_FROM_HSV, [any("value")], [], COLOR, Some(0.5);
+    /// Hue in turns, saturation and lightness of a color.
+    HslFromRgb = "hsl_from_rgb", OPERATION_HSL_FROM_RGB, [any("value")], [], VECTOR, Some(0.5);
+    /// Color of a hue in turns, a saturation and a lightness.
+    RgbFromHsl = "rgb_from_hsl", OPERATION_RGB_FROM_HSL, [any("value")], [], COLOR, Some(0.5);
+    /// Entry of a table, channel by channel.
+    Table = "table", OPERATION_TABLE, [any("value")],
+        [Parameter::Whole("extrapolate", 0, 1), Parameter::Whole("steps", 0, 1), Parameter::Table("values")], COLOR, Some(0.5);
+    /// Three numbers in [0, 1] that depend on each bit of the coordinates.
+    WhiteNoise = "white_noise", OPERATION_WHITE_NOISE, [COORDINATES, W], [Parameter::Whole("dimensions", 3, 4)], COLOR, Some(0.5);
+    /// Sum of octaves of Blender's noise in one dimension.
+    Noise1d = "noise_1d", OPERATION_NOISE_1D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("offset", 0.0),
+         number("gain", 1.0)],
+        [FRACTALS, NORMALIZE], NUMBER, Some(0.5);
+    /// Sum of octaves of Blender's noise in two dimensions.
+    Noise2d = "noise_2d", OPERATION_NOISE_2D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("offset", 0.0),
+         number("gain", 1.0)],
+        [FRACTALS, NORMALIZE], NUMBER, Some(0.5);
+    /// Sum of octaves of Blender's noise in three dimensions.
+    Noise3d = "noise_3d", OPERATION_NOISE_3D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("offset", 0.0),
+         number("gain", 1.0)],
+        [FRACTALS, NORMALIZE], NUMBER, Some(0.5);
+    /// Sum of octaves of Blender's noise in four dimensions.
+    Noise4d = "noise_4d", OPERATION_NOISE_4D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("offset", 0.0),
+         number("gain", 1.0)],
+        [FRACTALS, NORMALIZE], NUMBER, Some(0.5);
+    /// Voronoi diagram of Blender in one dimension.
+    Voronoi1d = "voronoi_1d", OPERATION_VORONOI_1D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("smoothness", 1.0),
+         number("randomness", 1.0)],
+        [FEATURES, METRICS, OUTPUTS, Parameter::Whole("normalize", 0, 1), Parameter::Number("exponent", 0.5)], VECTOR, Some(0.5);
+    /// Voronoi diagram of Blender in two dimensions.
+    Voronoi2d = "voronoi_2d", OPERATION_VORONOI_2D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("smoothness", 1.0),
+         number("randomness", 1.0)],
+        [FEATURES, METRICS, OUTPUTS, Parameter::Whole("normalize", 0, 1), Parameter::Number("exponent", 0.5)], VECTOR, Some(0.5);
+    /// Voronoi diagram of Blender in three dimensions.
+    Voronoi3d = "voronoi_3d", OPERATION_VORONOI_3D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("smoothness", 1.0),
+         number("randomness", 1.0)],
+        [FEATURES, METRICS, OUTPUTS, Parameter::Whole("normalize", 0, 1), Parameter::Number("exponent", 0.5)], VECTOR, Some(0.5);
+    /// Voronoi diagram of Blender in four dimensions.
+    Voronoi4d = "voronoi_4d", OPERATION_VORONOI_4D,
+        [COORDINATES, W, number("detail", 0.0), number("roughness", 0.5), number("lacunarity", 2.0), number("smoothness", 1.0),
+         number("randomness", 1.0)],
+        [FEATURES, METRICS, OUTPUTS, Parameter::Whole("normalize", 0, 1), Parameter::Number("exponent", 0.5)], VECTOR, Some(0.5);
+    /// Number of the brick of a wall, and the share of mortar.
+    Bricks = "bricks", OPERATION_BRICKS,
+        [COORDINATES, number("mortar", 0.02), number("smoothness", 0.1), number("bias", 0.0), number("width", 0.5),
+         number("height", 0.25)],
+        [Parameter::Number("offset", 0.5), Parameter::Number("squash", 1.0), Parameter::Whole("offset_rows", 2, 99),
+         Parameter::Whole("squash_rows", 2, 99)], VECTOR, Some(0.5);
 }
 
 impl Operation {
@@ -195,11 +278,18 @@ impl Operation {
             Self::Divide => each(|a, b| if b == 0.0 { 0.0 } else { a / b }),
             Self::Minimum => a.min(b),
             Self::Maximum => a.max(b),
-            Self::Power => each(|a, b| match (a > 0.0, b == 0.0) {
-                (_, true) => 1.0,
-                (true, false) => a.powf(b),
-                (false, false) => 0.0,
+            Self::Power => each(|a, b| match (a, b) {
+                (_, 0.0) => 1.0,
+                (0.0, _) => 0.0,
+                (a, b) if a < 0.0 && b.fract() != 0.0 => 0.0,
+                (a, b) => a.powf(b),
             }),
+            Self::Floor => a.floor(),
+            Self::Less => each(|a, b| f32::from(u8::from(a < b))),
+            Self::Exponential => a.map(f32::exp),
+            Self::Logarithm => a.map(|value| if value > 0.0 { value.ln() } else { 0.0 }),
+            Self::Arctangent => each(|a, b| if a == 0.0 && b == 0.0 { 0.0 } else { a.atan2(b) }),
+            Self::Combine => Vec3::new(a.x, b.x, input(2).x),
             Self::Absolute => a.abs(),
             Self::Sine => a.map(f32::sin),
             Self::SquareRoot => a.map(|value| value.max(0.0).sqrt()),

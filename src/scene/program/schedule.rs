@@ -19,6 +19,10 @@ pub enum Place {
     Position,
     /// Geometric normal in world space.
     Normal,
+    /// Shading normal in world space.
+    ShadingNormal,
+    /// Unit vector to where the surface is seen from, in world space.
+    Incoming,
 }
 
 /// Operation whose value goes to a register.
@@ -111,6 +115,8 @@ fn place(operand: Operand, registers: &[u8]) -> Place {
         Operand::Uv => Place::Uv,
         Operand::Position => Place::Position,
         Operand::Normal => Place::Normal,
+        Operand::ShadingNormal => Place::ShadingNormal,
+        Operand::Incoming => Place::Incoming,
         Operand::Node(node) => Place::Register(registers[node as usize]),
     }
 }

@@ -15,7 +15,7 @@ fn loaded(textures: &str) -> Scene {
 }
 
 fn at(uv: [f64; 2], position: [f64; 3]) -> Point {
-    Point { uv: uv.into(), position: position.into(), normal: DVec3::Z }
+    Point { uv: uv.into(), position: position.into(), normal: DVec3::Z, ..Point::default() }
 }
 
 /// Value of a texture of a scene, whatever it is.

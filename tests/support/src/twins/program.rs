@@ -2,10 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 use lodestar::scene::program::{Instruction, Operation, Place, Program};
 use lodestar::scene::texture::{Image, Texture};
 use lodestar::scene::texture_lookup::sample;
+
+use super::hashed;
+use super::voronoi::Voronoi;
 
 /// Ken Perlin's permutation of 2002.
 const PERMUTATION: [u8; 256] = [
@@ -23,11 +26,13 @@ const PERMUTATION: [u8; 256] = [
 ];
 
 /// Point at which a program is run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Point {
     pub uv: DVec2,
     pub position: DVec3,
     pub normal: DVec3,
+    pub shading_normal: DVec3,
+    pub incoming: DVec3,
 }
 
 /// Noise at a point (Perlin 2002).
@@ -121,13 +126,8 @@ pub fn value(operation: Operation, [a, b, c]: [DVec3; 3], numbers: &[u32], scene
         Operation::Minimum => a.min(b),
         Operation::Maximum => a.max(b),
         Operation::Power => each(&|a, b| {
-            if b == 0.0 {
-                1.0
-            } else if a > 0.0 {
-                a.powf(b)
-            } else {
-                0.0
-            }
+            let power = a.powf(b);
+            if b != 0.0 && (a == 0.0 || power.is_nan()) { 0.0 } else { power }
         }),
         Operation::Absolute => a.abs(),
         Operation::Sine => each(&|a, _| a.sin()),
@@ -145,6 +145,77 @@ pub fn value(operation: Operation, [a, b, c]: [DVec3; 3], numbers: &[u32], scene
             DVec3::splat(octaves(a, numbers[0], float(numbers[1]), operation == Operation::Wrinkled))
         }
         Operation::Marble => marble(a.x),
+        Operation::Floor => a.floor(),
+        Operation::Less => each(&|a, b| f64::from(u8::from(a < b))),
+        Operation::Exponential => each(&|a, _| a.exp()),
+        Operation::Logarithm => each(&|a, _| if a > 0.0 { a.ln() } else { 0.0 }),
+        Operation::Arctangent => each(&|a, b| a.atan2(b)),
+        Operation::Combine => DVec3::new(a.x, b.x, c.x),
+        Operation::HsvFromRgb => hashed::hsv(a),
+        Operation::RgbFromHsv => hashed::from_hsv(a),
+        Operation::HslFromRgb => hashed::hsl(a),
+        Operation::RgbFromHsl => hashed::from_hsl(a),
+        Operation::Table => {
+            let entries = &numbers[2..];
+            let channel = |at: usize| entries.iter().skip(at).step_by(3).map(|&bits| float(bits)).collect::<Vec<_>>();
+            let look_up = |at: usize| hashed::table(&channel(at), a[at], numbers[1] != 0, numbers[0] != 0);
+            DVec3::new(look_up(0), look_up(1), look_up(2))
+        }
+        Operation::WhiteNoise => hashed::white_noise(&coordinates(numbers[0] as usize, a, b.x)),
+        Operation::Noise1d | Operation::Noise2d | Operation::Noise3d | Operation::Noise4d => {
+            let point = coordinates(dimensions(operation), a, b.x);
+            DVec3::splat(hashed::fractal(numbers[0], numbers[1] != 0, &point, [b.y, b.z, c.x, c.y, c.z]))
+        }
+        Operation::Voronoi1d | Operation::Voronoi2d | Operation::Voronoi3d | Operation::Voronoi4d => {
+            voronoi(dimensions(operation), [a, b, c], numbers)
+        }
+        Operation::Bricks => {
+            let sizes = [b.x, b.y, b.z, c.x, c.y];
+            let rows = [numbers[2], numbers[3]].map(i64::from);
+            hashed::bricks(a.truncate(), sizes, [float(numbers[0]), float(numbers[1])], rows).extend(0.0)
+        }
+    }
+}
+
+fn dimensions(operation: Operation) -> usize {
+    match operation {
+        Operation::Noise1d | Operation::Voronoi1d => 1,
+        Operation::Noise2d | Operation::Voronoi2d => 2,
+        Operation::Noise3d | Operation::Voronoi3d => 3,
+        _ => 4,
+    }
+}
+
+/// Point in one to four dimensions; in one it is the fourth coordinate.
+fn coordinates(count: usize, p: DVec3, w: f64) -> Vec<f64> {
+    match count {
+        1 => vec![w],
+        _ => [p.x, p.y, p.z, w][..count].to_vec(),
+    }
+}
+
+fn voronoi(count: usize, [a, b, c]: [DVec3; 3], numbers: &[u32]) -> DVec3 {
+    let mut point = coordinates(count, a, b.x);
+    point.resize(4, 0.0);
+    let diagram = Voronoi {
+        dimensions: count,
+        feature: numbers[0],
+        metric: if count == 1 { 0 } else { numbers[1] },
+        normalized: numbers[3] != 0,
+        exponent: float(numbers[4]),
+        detail: b.y,
+        roughness: b.z,
+        lacunarity: c.x,
+        smoothness: c.y,
+        randomness: c.z,
+    };
+    let (distance, color, position) = diagram.value(DVec4::from_slice(&point));
+    let position = if count == 1 { DVec4::new(0.0, 0.0, 0.0, position.x) } else { position };
+    match numbers[2] {
+        0 => DVec3::splat(distance),
+        1 => color,
+        2 => position.truncate(),
+        _ => DVec3::splat(position.w),
     }
 }
 
@@ -161,6 +232,8 @@ pub fn run(program: &Program, at: Point, scene: (&[Texture], &[Image])) -> DVec3
                 Place::Uv => at.uv.extend(0.0),
                 Place::Position => at.position,
                 Place::Normal => at.normal,
+                Place::ShadingNormal => at.shading_normal,
+                Place::Incoming => at.incoming,
             };
         }
         result = value(*operation, inputs, numbers, scene);
