@@ -4,8 +4,10 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use lodestar::scene::texture::Pattern;
 use lodestar::scene::{Bsdf, MaterialKind, Scene};
+use support::twins::program::{Point, run};
 
 use crate::looked_up::{TextureInput, look_up};
 
@@ -74,6 +76,18 @@ fn compare(case: &Case, found: &[[f32; 3]], shift: f32) -> (f32, f32) {
     (beyond as f32 / differences.len() as f32, within)
 }
 
+fn point_of_twin(point: &[f32; NUMBERS_OF_A_POINT]) -> Point {
+    let numbers = point.map(f64::from);
+    let normal = DVec3::from_slice(&numbers[5..8]);
+    Point {
+        uv: [numbers[3], numbers[4]].into(),
+        position: DVec3::from_slice(&numbers[0..3]),
+        normal,
+        shading_normal: normal,
+        incoming: DVec3::from_slice(&numbers[8..11]),
+    }
+}
+
 fn compare_folder(folder: &Path, on_edges: f32) {
     let (scene, points, cases) = read(folder);
     let three = |numbers: &[f32]| [numbers[0], numbers[1], numbers[2]];
@@ -97,6 +111,15 @@ fn compare_folder(folder: &Path, on_edges: f32) {
         let _ = writeln!(table, "| {} | {within:.1e} | {beyond:.4} |", case.name);
         if beyond > on_edges {
             let _ = writeln!(faults, "{}: {beyond}, {:?} is not {:?}", case.name, found[0], case.values[0]);
+        }
+        let Pattern::Program(program) = &scene.textures[case.texture as usize].pattern else { panic!("{}", case.name) };
+        let twins: Vec<[f32; 3]> = points
+            .iter()
+            .map(|point| run(program, point_of_twin(point), (&scene.textures, &scene.images)).as_vec3().to_array())
+            .collect();
+        let (beyond_twin, _) = compare(case, &twins, 0.0);
+        if beyond_twin > on_edges {
+            let _ = writeln!(faults, "twin of {}: {beyond_twin}", case.name);
         }
         assert!(compare(case, &found, 0.001).0 > 0.9, "a shifted {}", case.name);
     }

@@ -50,18 +50,24 @@ fn parameters(operation: Operation, numbers: &mut Numbers) -> Vec<u32> {
     words
 }
 
-/// Program of one operation on the position, the normal and the coordinates.
+/// Program of one operation on the position, the normal and the coordinates, or on what has a range of values.
 fn single(operation: Operation) -> Program {
     let mut graph = Graph::default();
-    let inputs: Vec<Operand> = operation
-        .row()
-        .inputs
-        .iter()
-        .map(|_| ())
-        .zip([Operand::Position, Operand::Normal, Operand::Uv])
-        .map(|((), operand)| operand)
-        .collect();
-    let root = graph.add(operation, &inputs, &parameters(operation, &mut Numbers::new(8)));
+    let mut inputs = [Operand::Position, Operand::Normal, Operand::Uv];
+    let constant = |x: f32, y: f32, z: f32| Operand::Constant(Vec3::new(x, y, z));
+    match operation.row().plugin {
+        "bricks" => inputs = [Operand::Position, constant(0.05, 0.6, -0.1), constant(0.5, 0.25, 0.0)],
+        plugin if plugin.starts_with("voronoi") || plugin.starts_with("noise") => inputs[2] = constant(2.1, 0.7, 0.9),
+        plugin if plugin.starts_with("hs") || plugin.starts_with("rgb") => {
+            let half = constant(0.5, 0.5, 0.5);
+            let wave = graph.add(Operation::Sine, &[Operand::Position], &[]);
+            let scaled = graph.add(Operation::Multiply, &[wave, half], &[]);
+            inputs[0] = graph.add(Operation::Add, &[scaled, half], &[]);
+        }
+        _ => {}
+    }
+    let count = operation.row().inputs.len().min(3);
+    let root = graph.add(operation, &inputs[..count], &parameters(operation, &mut Numbers::new(8)));
     schedule(&graph, root, OPEN).expect("a program")
 }
 

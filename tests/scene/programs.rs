@@ -5,6 +5,7 @@ use lodestar::scene::bsdf::Relief;
 use lodestar::scene::program::Program;
 use lodestar::scene::texture::Pattern;
 use lodestar::scene::{Bsdf, MaterialKind, Scene, SurfaceMaterial};
+use support::twins::hashed::fractal;
 use support::twins::program::{Point, noise, run};
 
 use super::{Folder, load_body, with_sensor};
@@ -143,6 +144,21 @@ fn what_is_refused() {
         assert!(error.contains(expected) && error.contains("scene.xml:"), "{error} lacks {expected}");
         assert!(!error.contains('\n'), "{error}");
     }
+}
+
+/// Inputs beyond three are numbers, constant or computed; tables are looked up.
+#[test]
+fn many_inputs_and_tables() {
+    let noise = r#"<texture name="reflectance" type="noise_4d"><texture name="coordinates" type="position"/>
+        <texture name="w" type="component"><texture name="value" type="uv"/></texture><float name="detail" value="1.5"/>
+        <string name="kind" value="ridged_multifractal"/><float name="offset" value="0.9"/></texture>"#;
+    let place = [0.3, -0.4, 0.7];
+    let expected = fractal(3, true, &[0.3, -0.4, 0.7, 0.25], [1.5, 0.5, 2.0, 0.9, 1.0]);
+    let found = reflectance(noise, at([0.25, 0.0], place));
+    assert!((found - DVec3::splat(expected.clamp(0.0, 1.0))).length() < 1e-6, "{found} is not {expected}");
+    let table = r#"<texture name="reflectance" type="table"><texture name="value" type="uv"/>
+        <string name="values" value="0 0.1 0.2 1 0.5 0.4"/></texture>"#;
+    assert!((reflectance(table, at([0.25, 0.5], [0.0; 3])) - DVec3::new(0.25, 0.3, 0.2)).length() < 1e-6);
 }
 
 /// Scene of a chain or a ladder of textures.

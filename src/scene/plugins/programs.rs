@@ -317,11 +317,13 @@ fn table(properties: &mut Properties, name: &str) -> Result<Vec<u32>> {
     let words = text.split([' ', ',', '\n', '\t']).filter(|word| !word.is_empty());
     let numbers: Option<Vec<f32>> =
         words.map(|word| word.parse().ok().filter(|number: &f32| number.is_finite())).collect();
-    match numbers {
-        Some(numbers) if !numbers.is_empty() && numbers.len() % 3 == 0 && numbers.len() / 3 <= MAX_ENTRIES => {
-            Ok(numbers.into_iter().map(f32::to_bits).collect())
-        }
-        _ => Err(location.error(format!(
+    let is_whole = |numbers: &Vec<f32>| {
+        let (entries, rest) = numbers.as_chunks::<3>();
+        rest.is_empty() && (1..=MAX_ENTRIES).contains(&entries.len())
+    };
+    match numbers.filter(is_whole) {
+        Some(numbers) => Ok(numbers.into_iter().map(f32::to_bits).collect()),
+        None => Err(location.error(format!(
             "`{name}` of a table must be finite numbers, three for each of its entries, of which there are at most {MAX_ENTRIES}"
         ))),
     }
