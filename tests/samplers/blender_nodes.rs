@@ -71,9 +71,9 @@ fn compare(case: &Case, found: &[[f32; 3]], shift: f32) -> (f32, f32) {
             (0..3).map(|at| (expected[at] - found[at] + shift * range).abs()).fold(0.0, f32::max) / range
         })
         .collect();
-    let beyond = differences.iter().filter(|difference| !(**difference <= TOLERANCE)).count();
-    let within = differences.iter().copied().filter(|difference| *difference <= TOLERANCE).fold(0.0, f32::max);
-    (beyond as f32 / differences.len() as f32, within)
+    let within: Vec<f32> = differences.iter().copied().filter(|difference| *difference <= TOLERANCE).collect();
+    let beyond = differences.len() - within.len();
+    (beyond as f32 / differences.len() as f32, within.into_iter().fold(0.0, f32::max))
 }
 
 fn point_of_twin(point: &[f32; NUMBERS_OF_A_POINT]) -> Point {

@@ -37,16 +37,18 @@ class Evaluator:
         return self._known[key]
 
     def value(self, socket: Any, groups: Groups, unlinked: Optional[Callable[[], Expression]] = None) -> Expression:
-        """Value of an input. `unlinked` stands for coordinates that Blender gives to an input without a link."""
+        """Value of an input. `unlinked` stands for coordinates that Blender gives to an input without a link.
+
+        An input that is linked to a group's input is linked: it takes the number that the group's node has.
+        """
         source = self.reader.source(socket, groups)
-        if source is None or source.node is None:
-            found = socket if source is None else source.socket
-            if unlinked is not None and found.type == "VECTOR":
-                return unlinked()
-            return convert(self.default(found), found.type, socket.type)
+        if source is None:
+            return unlinked() if unlinked is not None else self.default(socket)
+        if source.node is None:
+            return convert(self.default(source.socket), source.socket.type, socket.type)
         value = self.output(source.node, source.socket, source.groups)
         if value is None:
-            self.reader.unsupported(source.node, socket.name)
+            self.reader.unsupported(source.node, socket.name, source.socket)
             return unlinked() if unlinked is not None else self.default(socket)
         return convert(value, source.socket.type, socket.type)
 

@@ -124,7 +124,10 @@ class Images:
         return self._files[key], True
 
     def _write(self, image: Any, operations: tuple[str, ...]) -> str:
-        colors = apply(pixels(image, self.report), operations)
+        return self.written(apply(pixels(image, self.report), operations))
+
+    def written(self, colors: np.ndarray) -> str:
+        """Name of a file with colors, rows from the top."""
         digest = hashlib.blake2b(np.ascontiguousarray(colors).tobytes(), digest_size=12).hexdigest()
         name = f"image-{digest}-{colors.shape[1]}x{colors.shape[0]}.exr"
         self.used.add(name)

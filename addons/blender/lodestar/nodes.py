@@ -14,6 +14,8 @@ from .report import Report
 
 Color = tuple[float, float, float]
 Value = Union[float, Color, Texture]
+# Types of nodes of which each output is a quantity of its own.
+QUANTITIES = {"TEX_COORD", "NEW_GEOMETRY", "OBJECT_INFO", "CAMERA"}
 
 
 class Source(NamedTuple):
@@ -104,9 +106,12 @@ class Reader:
             else:
                 return Source(node, output, groups)
 
-    def unsupported(self, node: Any, use: str) -> None:
-        """Reports a node that is not translated."""
-        self.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; {use} takes its default value')
+    def unsupported(self, node: Any, use: str, output: Any = None) -> None:
+        """Reports a node that is not translated, or its output where its other outputs are."""
+        named = f'the node "{node.name}" ({node.bl_label})'
+        if output is not None and node.type in QUANTITIES:
+            named = f"the output {output.name} of {named}"
+        self.warn(f"{named} is not supported; {use} takes its default value")
 
     # --------------------------------------------------------------------------------------------------- values
 
@@ -148,7 +153,7 @@ class Reader:
         if found is None:
             found = self._computed(source, socket)
         if found is None:
-            self.unsupported(source.node, socket.name)
+            self.unsupported(source.node, socket.name, source.socket)
             return _default(socket)
         return found
 

@@ -1,10 +1,10 @@
-"""World: the background as a constant or an image of the environment."""
+"""World: the background as a constant, an image of the environment or a sky."""
 
 from __future__ import annotations
 
 from typing import Any, Optional
 
-from . import xml
+from . import sky, xml
 from .images import Images, Texture
 from .nodes import Reader
 from .report import Report
@@ -36,13 +36,15 @@ def export(world: Any, images: Images, report: Report) -> Optional[xml.Element]:
     if strength <= 0.0:
         return None
     color = reader.source(node.inputs["Color"], groups)
-    if color is not None and color.node is not None and color.node.type == "TEX_ENVIRONMENT":
-        found = _environment(color.node, color.groups, strength, reader)
+    kinds = {"TEX_ENVIRONMENT": _environment, "TEX_SKY": _sky}
+    is_picture = color is not None and color.node is not None and color.node.type in kinds
+    if is_picture:
+        found = kinds[color.node.type](color.node, color.groups, strength, reader)
         if found is not None:
             return found
         reader.unsupported(color.node, "Color")
     value = tuple(node.inputs["Color"].default_value)[:3]
-    if color is None or color.node is None or color.node.type != "TEX_ENVIRONMENT":
+    if not is_picture:
         value = reader.color(node.inputs["Color"], groups)
     if isinstance(value, Texture):
         kind = "an image without the projection of an environment" if value.program is None else "a computed color of the world"
@@ -69,6 +71,20 @@ def _environment(node: Any, groups: tuple[Any, ...], strength: float, reader: Re
     if rotation is None:
         return None
     path, _ = reader.images.file(image, ("color", "environment"))
+    return _picture(path, strength, rotation)
+
+
+def _sky(node: Any, groups: tuple[Any, ...], strength: float, reader: Reader) -> Optional[xml.Element]:
+    """`envmap` of a Sky Texture of a model that has no Vector; None where it is of another."""
+    from mathutils import Matrix
+
+    found = sky.of_node(node)
+    if found is None:
+        return None
+    return _picture(reader.images.written(sky.picture(found)), strength, Matrix.Identity(3))
+
+
+def _picture(path: str, strength: float, rotation: Any) -> xml.Element:
     emitter = xml.add(xml.plugin("emitter", "envmap"), "filename", path)
     xml.add(emitter, "scale", strength)
     return xml.add_matrix(emitter, [[*row, 0.0] for row in to_world(rotation)] + [[0.0, 0.0, 0.0, 1.0]])

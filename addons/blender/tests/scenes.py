@@ -322,6 +322,21 @@ def relief_from_above() -> Any:
     return scene
 
 
+def grouped_place(tree: Any) -> Any:
+    """Gradient in a group, along the group's input without a link."""
+    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    group.interface.new_socket("Place", in_out="INPUT", socket_type="NodeSocketVector")
+    group.interface.new_socket("Shade", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    inner, outer = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    gradient = group.nodes.new("ShaderNodeTexGradient")
+    group.links.new(inner.outputs["Place"], gradient.inputs["Vector"])
+    group.links.new(gradient.outputs[1], outer.inputs[0])
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.inputs["Place"].default_value = (0.3, 0.1, 0.2)
+    return shader(tree, "ShaderNodeBsdfDiffuse", Color=node.outputs[0]).outputs[0]
+
+
 def computed() -> Any:
     """Textures that are computed, in colors, a weight and heights; coordinates and numbers of objects."""
     scene = empty()
@@ -369,9 +384,13 @@ def computed() -> Any:
         return shader(tree, "ShaderNodeBsdfDiffuse", Color=hsv.outputs[0]).outputs[0]
 
     def bumps(tree: Any) -> Any:
-        magic, bump = node(tree, "TexMagic", Scale=2.0), node(tree, "Bump", Distance=0.05)
-        tree.links.new(magic.outputs[1], bump.inputs["Height"])
-        return shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.7, 0.7), Normal=bump.outputs[0]).outputs[0]
+        """Two bump maps over each other."""
+        fine, coarse = node(tree, "TexMagic", Scale=2.0), node(tree, "TexWave", Scale=0.6, wave_type="RINGS")
+        below, above = node(tree, "Bump", Distance=0.03), node(tree, "Bump", Distance=0.05)
+        tree.links.new(coarse.outputs[1], below.inputs["Height"])
+        tree.links.new(fine.outputs[1], above.inputs["Height"])
+        tree.links.new(below.outputs[0], above.inputs["Normal"])
+        return shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.7, 0.7), Normal=above.outputs[0]).outputs[0]
 
     plane(scene, "ground", 3, material("ground", ground), location=(-1.6, 0, 0))
     plane(scene, "tiles", 3, material("tiles", tiles), location=(1.6, 0, 0), rotation=(0.2, 0.1, 0))
@@ -383,4 +402,24 @@ def computed() -> Any:
     return scene
 
 
-ALL = {each.__name__: each for each in (lamps, textures, environment, glass, instances, relief, relief_from_above, computed)}
+def sky(kind: str = "MULTIPLE_SCATTERING", rotation: float = 0.7) -> Any:
+    """A plane and a ball under a sky with a large sun."""
+    scene = empty()
+    camera(scene)
+    plane(scene, "ground", 9, diffuse("gray", (0.5, 0.5, 0.5)))
+    ball(scene, "ball", 0.8, diffuse("red", (0.7, 0.3, 0.2)), location=(0.3, 0, 0.8))
+    world(scene, (1, 1, 1), strength=0.2)
+    tree = scene.world.node_tree
+    texture, background = tree.nodes.new("ShaderNodeTexSky"), next(n for n in tree.nodes if n.type == "BACKGROUND")
+    texture.sky_type, texture.sun_rotation, texture.sun_elevation, texture.sun_size = kind, rotation, 0.5, 0.2
+    texture.air_density, texture.altitude = 1.3, 800.0
+    tree.links.new(texture.outputs[0], background.inputs["Color"])
+    return scene
+
+
+def sky_of_one_scattering() -> Any:
+    """Blender's older sky, which versions before 5 call Nishita."""
+    return sky("SINGLE_SCATTERING" if bpy.app.version >= (5, 0, 0) else "NISHITA", -1.9)
+
+
+ALL = {each.__name__: each for each in (lamps, textures, environment, glass, instances, relief, relief_from_above, computed, sky, sky_of_one_scattering)}

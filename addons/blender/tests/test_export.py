@@ -53,7 +53,7 @@ def test_unchanged_meshes_are_not_written_again(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("*.ply"))) == 2, "the mesh that was replaced is removed"
 
 
-def bevel(tree: Any) -> Any:
+def occlusion(tree: Any) -> Any:
     """A node that no program can say, below one that it can."""
     node, math = tree.nodes.new("ShaderNodeAmbientOcclusion"), tree.nodes.new("ShaderNodeMath")
     tree.links.new(node.outputs["AO"], math.inputs[0])
@@ -73,6 +73,12 @@ def computed_emission(tree: Any) -> Any:
     """Light whose color is computed."""
     texture = tree.nodes.new("ShaderNodeTexNoise")
     return scenes.shader(tree, "ShaderNodeEmission", Color=texture.outputs["Color"]).outputs[0]
+
+
+def pointiness(tree: Any) -> Any:
+    """An output that is not translated, of a node of which others are."""
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=geometry.outputs["Pointiness"]).outputs[0]
 
 
 def toon(tree: Any) -> Any:
@@ -103,7 +109,12 @@ def wide_bump(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Normal=bump.outputs["Normal"]).outputs[0]
 
 
-UNSUPPORTED = [(bevel, "Ambient Occlusion"), (toon, "Toon BSDF"), (computed_emission, "a computed Color of emitted light")]
+UNSUPPORTED = [
+    (occlusion, '"Ambient Occlusion" (Ambient Occlusion)'),
+    (pointiness, 'the output Pointiness of the node "Geometry"'),
+    (toon, "Toon BSDF"),
+    (computed_emission, "a computed Color of emitted light"),
+]
 # Blender before 4.5 has no Filter Width.
 if bpy.app.version >= (4, 5, 0):
     UNSUPPORTED.append((wide_bump, "Filter Width 4"))
