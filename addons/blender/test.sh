@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests the Blender add-on with the package `bpy`, which is Blender as a Python module: units, reports, registration, and eight scenes
+# Tests the Blender add-on with the package `bpy`, which is Blender as a Python module: units, reports, registration, and ten scenes
 # beside Cycles. Prints one sentence where Python 3.11 or the package is missing.
 #
 # usage: addons/blender/test.sh [PYTEST ARGUMENT...]

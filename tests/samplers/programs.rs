@@ -127,14 +127,16 @@ fn difference(program: &Program, inputs: &[TextureInput], tamper: f64) -> f64 {
 #[test]
 fn every_operation_is_its_twin() {
     let inputs = inputs(POINTS, 5);
-    let mut table = String::new();
+    let (mut table, mut faults) = (String::new(), String::new());
     for &operation in Operation::ALL {
         let program = single(operation);
         let found = difference(&program, &inputs, 0.0);
-        let _ = writeln!(table, "| {} | {found:.1e} |", operation.row().plugin);
+        let _ = writeln!(table, "| `{}` | {found:.1e} |", operation.row().plugin);
         // Quotients by numbers near 0 have no range.
         let bound = if operation == Operation::Divide { 1.0e-6 } else { TOLERANCE };
-        assert!(found <= bound, "{}: {found}", operation.row().plugin);
+        if found > bound {
+            let _ = writeln!(faults, "{}: {found}", operation.row().plugin);
+        }
         let takes_position = operation.row().inputs.first().is_some_and(|input| input.takes != Takes::Number);
         if takes_position && operation != Operation::Divide {
             let shifted = difference(&program, &inputs[..1000], 0.05);
@@ -142,6 +144,7 @@ fn every_operation_is_its_twin() {
         }
     }
     println!("{table}");
+    assert!(faults.is_empty(), "{faults}");
 }
 
 /// A program of many operations: constants, registers and sources in all places.

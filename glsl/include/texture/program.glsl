@@ -102,10 +102,11 @@ vec3 table_value(uint table, uint count, vec3 at, bool steps, bool extrapolate) 
         float place = clamp(at[channel], 0.0, 1.0) * last;
         uint low = min(uint(place), count - 1u);
         if (extrapolate && at[channel] > 1.0) low = count - min(2u, count);
-        float t = extrapolate ? at[channel] * last - float(low) : place - float(low);
+        bool beyond = extrapolate && (at[channel] < 0.0 || at[channel] > 1.0);
+        float t = beyond ? at[channel] * last - float(low) : (steps ? 0.0 : place - float(low));
         bool second = (i & 1u) != 0u;
         float number = uintBitsToFloat(texel_word(table + 3u * min(second ? low + 1u : low, count - 1u) + channel));
-        float weight = steps ? (second ? 0.0 : 1.0) : (second ? t : 1.0 - t);
+        float weight = second ? t : 1.0 - t;
         value += mix(vec3(0.0), vec3(weight * number), equal(uvec3(0u, 1u, 2u), uvec3(channel)));
     }
     return value;

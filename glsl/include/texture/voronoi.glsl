@@ -90,7 +90,8 @@ void add_smoothly(inout VoronoiScan scan, Voronoi v, VoronoiValue next) {
     scan.nearest.distance = mix(mean.distance, next.distance, h) - correction;
     correction /= 1.0 + 3.0 * v.smoothness;
     scan.nearest.color = mix(mean.color, next.color, h) - correction;
-    scan.nearest.position = mix(mean.position, next.position, h) - correction;
+    vec4 used = mix(vec4(0.0), vec4(1.0), lessThan(uvec4(0u, 1u, 2u, 3u), uvec4(v.dimensions)));
+    scan.nearest.position = mix(mean.position, next.position, h) - correction * used;
 }
 
 void keep_nearest(inout VoronoiScan scan, VoronoiValue next, vec4 offset) {
