@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
@@ -26,12 +27,12 @@ RGB_FROM_XYZ = np.array([
 
 
 class Sky(NamedTuple):
-    """What a Sky Texture node says. Angles are in radians, the altitude is in meters."""
+    """What a Sky Texture node says. Angles are in radians."""
 
-    model: Model
+    model: type[Model]
+    air: Air
     elevation: float
     rotation: float
-    altitude: float
     # Angular diameter and brightness of the sun; 0 where there is no disk.
     diameter: float
     intensity: float
@@ -50,7 +51,7 @@ def of_node(node: Any) -> Optional[Sky]:
     if abs(elevation) > 0.5 * math.pi:
         elevation, rotation = math.copysign(math.pi, elevation) - elevation, rotation + math.pi
     diameter = node.sun_size if node.sun_disc else 0.0
-    return Sky(models[node.sky_type](air), elevation, rotation, node.altitude, diameter, node.sun_intensity)
+    return Sky(models[node.sky_type], air, elevation, rotation, diameter, node.sun_intensity)
 
 
 def color(xyz: np.ndarray) -> np.ndarray:
@@ -69,21 +70,23 @@ def _looked_up(half: np.ndarray, azimuth: np.ndarray, elevation: np.ndarray) -> 
     return (1.0 - t) * across[np.clip(row, 0, len(table) - 1)] + t * across[np.clip(row + 1, 0, len(table) - 1)]
 
 
+@lru_cache(maxsize=1)
 def picture(sky: Sky) -> np.ndarray:
     """Linear colors of the environment as Blender's pictures have it, but the first and the last row are the poles."""
+    model = sky.model(sky.air)
     elevation = math.pi * (0.5 - np.arange(HEIGHT) / (HEIGHT - 1))
     # Azimuths of Blender's environments run from +y to +x, and their middle is +x.
     azimuth = 2.0 * math.pi * ((np.arange(WIDTH) + 0.5) / WIDTH - 0.25) - sky.rotation
-    colors = color(_looked_up(sky.model.half_table(sky.elevation, COLUMNS, ROWS), azimuth, elevation))
+    colors = color(_looked_up(model.half_table(sky.elevation, COLUMNS, ROWS), azimuth, elevation))
     if sky.diameter > 0.0 and sky.intensity > 0.0:
-        _add_sun(colors, sky)
+        _add_sun(colors, sky, model)
     return colors.astype(np.float32)
 
 
-def _add_sun(colors: np.ndarray, sky: Sky) -> None:
+def _add_sun(colors: np.ndarray, sky: Sky, model: Model) -> None:
     """Adds the sun's disk: the light of each of its points goes to the four texels around it."""
     half = 0.5 * sky.diameter
-    bottom, top = (sky.model.sun(sky.elevation + side * half) for side in (-1.0, 1.0))
+    bottom, top = (model.sun(sky.elevation + side * half) for side in (-1.0, 1.0))
     at = np.arange(SUN_POINTS)
     # Even in solid angle, on a sunflower spiral.
     cosine = 1.0 - (1.0 - math.cos(half)) * (at + 0.5) / SUN_POINTS
@@ -97,7 +100,7 @@ def _add_sun(colors: np.ndarray, sky: Sky) -> None:
     limb = 1.0 - LIMB * (1.0 - np.sqrt(np.maximum(1.0 - (np.arccos(cosine) / half) ** 2, 0.0)))
     # The irradiances of the ends are those of a disk that is as bright everywhere.
     light = color((bottom + share * (top - bottom)) * limb[:, None] * (sky.intensity / SUN_POINTS))
-    light[elevation <= _horizon(sky.altitude)] = 0.0
+    light[elevation <= _horizon(sky.air.altitude)] = 0.0
     column = ((np.arctan2(side, x) + sky.rotation) / (2.0 * math.pi) + 0.25) * WIDTH - 0.5
     row = (0.5 - elevation / math.pi) * (HEIGHT - 1)
     i, j = np.floor(column).astype(int), np.floor(row).astype(int)

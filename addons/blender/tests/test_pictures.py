@@ -65,7 +65,7 @@ def test_the_vector_of_a_group_is_a_constant() -> None:
         scenes.plane(scene, "ground", 9, scenes.material("grouped", scenes.grouped_place))
         scenes.world(scene, (1, 1, 1))
         image = support.colors(support.render(scene, engine, 16, "group"))
-        assert np.abs(image - 0.3).max() < 0.04, engine
+        assert abs(image.mean() - 0.3) < 0.005 and np.abs(image - 0.3).max() < 0.1, engine
 
 
 def test_passes() -> None:
