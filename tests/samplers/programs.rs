@@ -57,7 +57,14 @@ fn single(operation: Operation) -> Program {
     let constant = |x: f32, y: f32, z: f32| Operand::Constant(Vec3::new(x, y, z));
     match operation.row().plugin {
         "bricks" => inputs = [Operand::Position, constant(0.05, 0.6, -0.1), constant(0.5, 0.25, 0.0)],
-        plugin if plugin.starts_with("voronoi") || plugin.starts_with("noise") => inputs[2] = constant(2.1, 0.7, 0.9),
+        plugin if plugin.starts_with("voronoi") || plugin.starts_with("noise") => {
+            inputs[2] = constant(2.1, 0.7, 0.9);
+            // In one dimension, the fourth coordinate is the only one.
+            if plugin.ends_with("_1d") {
+                let [detail, roughness] = [1.5, 0.6].map(|value| Operand::Constant(Vec3::splat(value)));
+                inputs[1] = graph.add(Operation::Combine, &[Operand::Position, detail, roughness], &[]);
+            }
+        }
         plugin if plugin.starts_with("hs") || plugin.starts_with("rgb") => {
             let half = constant(0.5, 0.5, 0.5);
             let wave = graph.add(Operation::Sine, &[Operand::Position], &[]);
