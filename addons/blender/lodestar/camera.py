@@ -46,7 +46,7 @@ def horizontal_sensor(camera: Any, render: Any, size: Film) -> tuple[bool, float
     return fit == "HORIZONTAL", camera.sensor_width if fit == "HORIZONTAL" else camera.sensor_height
 
 
-def export(camera_object: Any, scene: Any, filter_name: str, report: Report) -> xml.Element:
+def export(camera_object: Any, course: xml.Course, scene: Any, filter_name: str, report: Report) -> xml.Element:
     """`<sensor>` of a scene's camera."""
     camera, render, size = camera_object.data, scene.render, film(scene.render)
     place = f'camera "{camera_object.name}"'
@@ -54,17 +54,15 @@ def export(camera_object: Any, scene: Any, filter_name: str, report: Report) -> 
         raise Unsupported(f"{place}: only perspective and orthographic cameras are supported, not {camera.type}")
     if render.pixel_aspect_x != render.pixel_aspect_y:
         report.warn(place, "pixels that are not square are not supported; they are taken as square")
-    if render.use_motion_blur:
-        report.warn(place, "motion blur is not supported; the frame stands still")
     is_horizontal, sensor = horizontal_sensor(camera, render, size)
     # Blender measures the shift by the side that the sensor fits.
     side = size.width if is_horizontal else size.height
     shift = (camera.shift_x * side / size.width, camera.shift_y * side / size.height)
-    matrix = _upright(camera_object.matrix_world, place, report)
+    course = course.mapped(lambda matrix: _upright(matrix, place, report))
     if camera.type == "ORTHO":
-        element = _orthographic(camera, matrix, size, is_horizontal)
+        element = _orthographic(camera, course, size, is_horizontal)
     else:
-        element = _perspective(camera, camera_object, matrix, is_horizontal, sensor, shift, place, report)
+        element = _perspective(camera, camera_object, course, is_horizontal, sensor, shift, place, report)
     xml.add(xml.add(element, "near_clip", max(camera.clip_start, 1e-6)), "far_clip", float(camera.clip_end))
     return xml.with_children(element, _film(size, filter_name))
 
@@ -110,7 +108,7 @@ def _looking(matrix: Any) -> Any:
 
 
 def _perspective(
-    camera: Any, owner: Any, matrix: Any, is_horizontal: bool, sensor: float, shift: tuple[float, float], place: str, report: Report
+    camera: Any, owner: Any, course: xml.Course, is_horizontal: bool, sensor: float, shift: tuple[float, float], place: str, report: Report
 ) -> xml.Element:
     dof = camera.dof
     has_lens = dof.use_dof and dof.aperture_fstop > 0.0 and camera.lens > 0.0
@@ -128,7 +126,7 @@ def _perspective(
         # Mitsuba's offset moves the picture, Blender's shift the view.
         xml.add(element, "principal_point_offset_x", shift[0])
         xml.add(element, "principal_point_offset_y", -shift[1])
-    return xml.add_matrix(element, _looking(matrix))
+    return xml.add_course(element, course.mapped(_looking))
 
 
 def _focus(dof: Any, owner: Any) -> float:
@@ -139,13 +137,13 @@ def _focus(dof: Any, owner: Any) -> float:
     return max(-view.z, 1e-6)
 
 
-def _orthographic(camera: Any, matrix: Any, size: Film, is_horizontal: bool) -> xml.Element:
+def _orthographic(camera: Any, course: xml.Course, size: Film, is_horizontal: bool) -> xml.Element:
     from mathutils import Matrix
 
     width = camera.ortho_scale if is_horizontal else camera.ortho_scale * size.width / size.height
-    moved = matrix @ Matrix.Translation((camera.shift_x * camera.ortho_scale, camera.shift_y * camera.ortho_scale, 0.0))
-    scaled = _looking(moved) @ Matrix.Diagonal((0.5 * width, 0.5 * width, 1.0, 1.0))
-    return xml.add_matrix(xml.plugin("sensor", "orthographic"), scaled)
+    shift = Matrix.Translation((camera.shift_x * camera.ortho_scale, camera.shift_y * camera.ortho_scale, 0.0))
+    scale = Matrix.Diagonal((0.5 * width, 0.5 * width, 1.0, 1.0))
+    return xml.add_course(xml.plugin("sensor", "orthographic"), course.mapped(lambda matrix: _looking(matrix @ shift) @ scale))
 
 
 def _film(size: Film, filter_name: str) -> xml.Element:

@@ -90,7 +90,7 @@ class LodestarEngine(bpy.types.RenderEngine):
         program = process.find(chosen.program if chosen is not None else "")
         folder = self._folder(chosen, depsgraph)
         self.update_stats("", "Exporting")
-        exported = export.export(depsgraph, folder, properties.options(settings))
+        exported = export.export(depsgraph, folder, properties.options(settings), self.frame_set)
         for warning in exported.report.warnings:
             self.report({"WARNING"}, f"Lodestar: {warning}")
         picture = folder / PICTURE

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
 
-from . import camera, lights, materials, world, xml
+from . import camera, lights, materials, motion, world, xml
 from .hashes import number_of_object
 from .images import Images
 from .instances import Shapes
@@ -40,9 +40,20 @@ class Export:
     files: set[str] = field(default_factory=set)
 
 
-def export(depsgraph: Any, folder: Path, options: Options) -> Export:
-    """Writes a scene to `folder`. A `camera.Unsupported` says why it cannot be rendered."""
-    return _Exporter(depsgraph, folder, options).run()
+def export(depsgraph: Any, folder: Path, options: Options, frame_set: Optional[motion.FrameSet] = None) -> Export:
+    """Writes a scene to `folder`. A `camera.Unsupported` says why it cannot be rendered. `frame_set` moves the scene in time."""
+    exporter = _Exporter(depsgraph, folder, options)
+    if depsgraph.scene.camera is None:
+        raise camera.Unsupported("the scene has no camera")
+    frame_set = frame_set or (lambda frame, subframe: depsgraph.scene.frame_set(frame, subframe=subframe))
+    shutter = motion.shutter(depsgraph, frame_set, exporter.report)
+    if shutter is None:
+        return exporter.run()
+    try:
+        exporter.motions.record(shutter)
+        return exporter.run()
+    finally:
+        shutter.close()
 
 
 class _Exporter:
@@ -58,13 +69,18 @@ class _Exporter:
         self.emitters: list[xml.Element] = []
         self.visible_lamps: list[str] = []
         self.surfaces_emit = self.has_glass = False
+        # A marker may bind another camera to another time of the shutter.
+        self.camera = depsgraph.scene.camera
+        self.motions = motion.Motions(depsgraph, self.camera, self.report)
 
     def run(self) -> Export:
         scene = self.depsgraph.scene_eval
-        if scene.camera is None:
-            raise camera.Unsupported("the scene has no camera")
-        sensor = camera.export(scene.camera, scene, self.options.filter, self.report)
-        self.projection = camera.projection(scene.camera, scene, self.depsgraph)
+        self.camera = self.camera.evaluated_get(self.depsgraph)
+        course = self.motions.course(motion.CAMERA, self.camera.matrix_world, f'camera "{self.camera.name}"')
+        sensor = camera.export(self.camera, course, scene, self.options.filter, self.report)
+        if self.motions:
+            xml.add(xml.add(sensor, "shutter_open", 0.0), "shutter_close", 1.0)
+        self.projection = camera.projection(self.camera, scene, self.depsgraph)
         for instance in self.depsgraph.object_instances:
             self._instance(instance)
         # A view layer may leave the world out.
@@ -101,34 +117,40 @@ class _Exporter:
         owner = instance.object
         if not instance.show_self:
             return
-        matrix = instance.matrix_world.copy()
         if owner.type == "LIGHT":
-            self._light(owner, matrix)
+            self._light(owner, self._course(instance))
         elif owner.type == "MESH":
+            course = self._course(instance)
             number = instance.random_id if instance.is_instance else number_of_object(owner.name)
-            self._surface(Placed(owner, matrix, number))
+            self._surface(Placed(owner, course.matrix, number), course)
         elif owner.type not in INVISIBLE:
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
         if any(system.settings.type == "HAIR" for system in getattr(owner, "particle_systems", [])):
             self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
 
-    def _light(self, owner: Any, matrix: Any) -> None:
+    def _course(self, instance: Any) -> xml.Course:
+        matrix = instance.matrix_world.copy()
+        if not self.motions:
+            return xml.Course(matrix)
+        return self.motions.course(motion.identity(instance), matrix, f'object "{instance.object.name}"')
+
+    def _light(self, owner: Any, course: xml.Course) -> None:
         if owner.data.type == "AREA" and getattr(getattr(owner.data, "cycles", None), "is_portal", False):
             # A portal says where light comes in, and sheds none.
             return
-        emitters = lights.export(owner.data, matrix, owner.name, self.report)
+        emitters = lights.export(owner.data, course, owner.name, self.report)
         self._report_visibility(owner)
         self.emitters.extend(emitters)
         if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
-            if self._is_in_view(owner.data, matrix):
+            if self._is_in_view(owner.data, course.matrix):
                 self.visible_lamps.append(owner.name)
         self.surfaces_emit |= owner.visible_camera and any(emitter.tag == "shape" for emitter in emitters)
 
     def _is_in_view(self, light: Any, matrix: Any) -> bool:
         """Whether a lamp with a surface may be in the picture, if nothing hides it."""
         scene = self.depsgraph.scene_eval
-        faces = scene.camera.data.type == "ORTHO" or lights.faces(light, matrix, scene.camera.matrix_world.translation)
-        return faces and camera.may_see(scene.camera, scene, lights.corners(light, matrix))
+        faces = self.camera.data.type == "ORTHO" or lights.faces(light, matrix, self.camera.matrix_world.translation)
+        return faces and camera.may_see(self.camera, scene, lights.corners(light, matrix))
 
     def _report_visibility(self, owner: Any) -> None:
         hidden = [name for name in VISIBILITIES if not getattr(owner, f"visible_{name}", True)]
@@ -142,13 +164,16 @@ class _Exporter:
             if getattr(owner, name, False):
                 self.report.warn(f'object "{owner.name}"', f"{text} is not supported; it is an ordinary surface")
 
-    def _surface(self, placed: Placed) -> None:
-        owner, matrix = placed.owner, placed.matrix
+    def _surface(self, placed: Placed, course: xml.Course) -> None:
+        owner = placed.owner
         self._report_visibility(owner)
         slots = [slot.material for slot in owner.material_slots] or [None]
         keys = [self._material(material, placed) for material in slots]
+        if course.keys and any(self.materials[key].asks_for_object for key in keys):
+            message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
+            self.report.warn(f'object "{owner.name}"', message)
         shown = tuple((file, keys[part.slot]) for part in self._mesh_parts(owner, keys) for file in part.files)
-        self.shapes.add(shown, xml.Course(matrix), lambda: [self._shape(file, key) for file, key in shown])
+        self.shapes.add(shown, course, lambda: [self._shape(file, key) for file, key in shown])
 
     def _mesh_parts(self, owner: Any, keys: list[str]) -> list[Part]:
         """Files of an object's mesh. Instances of one object or mesh share them."""
@@ -179,7 +204,7 @@ class _Exporter:
             return key
         own = f"{key} of {placed.owner.name_full} {placed.random_id} {hash(tuple(map(tuple, placed.matrix))):x}"
         if own not in self.materials:
-            surroundings = Surroundings(placed, self.depsgraph.scene_eval.camera, self.projection)
+            surroundings = Surroundings(placed, self.camera, self.projection)
             found = materials.translate(material, self.images, self.report, surroundings)
             if not found.asks_for_object:
                 own = key

@@ -20,8 +20,8 @@ def color_of(light: Any) -> tuple[float, float, float]:
     return color  # type: ignore[return-value]
 
 
-def export(light: Any, matrix: Any, name: str, report: Report) -> list[xml.Element]:
-    """Emitters of a lamp that stands at `matrix`."""
+def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xml.Element]:
+    """Emitters of a lamp."""
     place = f'light "{name}"'
     _report_unsupported(light, place, report)
     power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
@@ -31,13 +31,17 @@ def export(light: Any, matrix: Any, name: str, report: Report) -> list[xml.Eleme
     if power < 0.0 or min(color_of(light)) < 0.0:
         report.warn(place, "negative light is not supported; the light is left out")
         return []
-    if light.type == "POINT":
-        return [_point(light, matrix, power, tinted)]
+    if light.type == "AREA":
+        return _area(light, course, power, tinted, place, report)
+    if light.type == "POINT" and light.shadow_soft_size > 0.0:
+        return [_ball(light, course, power, tinted)]
+    if course.keys:
+        report.warn(place, "the motion of suns, spots and lamps of radius 0 is not supported; it stands still")
     if light.type == "SUN":
-        return _sun(light, matrix, power, tinted)
+        return _sun(light, course.matrix, power, tinted)
     if light.type == "SPOT":
-        return [_spot(light, matrix, power, tinted, place, report)]
-    return _area(light, matrix, power, tinted, place, report)
+        return [_spot(light, course.matrix, power, tinted, place, report)]
+    return [_point(course.matrix, power, tinted)]
 
 
 def _report_unsupported(light: Any, place: str, report: Report) -> None:
@@ -60,16 +64,22 @@ def _emission_changed(tree: Any) -> bool:
     )
 
 
-def _point(light: Any, matrix: Any, power: float, tinted: Any) -> xml.Element:
-    position = matrix.translation
-    radius = light.shadow_soft_size
-    if radius == 0.0:
-        emitter = xml.plugin("emitter", "point")
-        _add_point(emitter, "position", position)
-        return xml.add(emitter, "intensity", tinted(units.point_intensity(power)))
+def _point(matrix: Any, power: float, tinted: Any) -> xml.Element:
+    emitter = xml.plugin("emitter", "point")
+    _add_point(emitter, "position", matrix.translation)
+    return xml.add(emitter, "intensity", tinted(units.point_intensity(power)))
+
+
+def _ball(light: Any, course: xml.Course, power: float, tinted: Any) -> xml.Element:
+    """Point lamp with a radius, which no scale changes."""
+    from mathutils import Matrix
+
+    radius, center = light.shadow_soft_size, course.matrix.translation
     shape = xml.plugin("shape", "sphere")
-    _add_point(shape, "center", position)
+    _add_point(shape, "center", center)
     xml.add(shape, "radius", float(radius))
+    if course.keys:
+        xml.add_course(shape, course.mapped(lambda matrix: Matrix.Translation(matrix.translation - center)))
     return _emitting(shape, tinted(units.sphere_radiance(power, radius)))
 
 
@@ -100,19 +110,19 @@ def _spot(light: Any, matrix: Any, power: float, tinted: Any, place: str, report
     return xml.add_matrix(emitter, _facing(matrix, normalized=True))
 
 
-def _area(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:
+def _area(light: Any, course: xml.Course, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:
     if light.spread < math.pi - 1e-3:
         report.warn(place, "the spread of an area light is not supported; it shines to all sides")
     is_round = light.shape in ("DISK", "ELLIPSE")
     width = light.size
     height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else width
-    x, y = matrix.col[0].xyz.length * width, matrix.col[1].xyz.length * height
+    x, y = (course.matrix.col[at].xyz.length * side for at, side in enumerate((width, height)))
     area = x * y * (0.25 * math.pi if is_round else 1.0)
     if area == 0.0:
         report.warn(place, "an area light of size 0 is not supported; it is left out")
         return []
     shape = xml.plugin("shape", "disk" if is_round else "rectangle")
-    xml.add_matrix(shape, _facing(matrix, (0.5 * width, 0.5 * height)))
+    xml.add_course(shape, course.mapped(lambda matrix: _facing(matrix, (0.5 * width, 0.5 * height))))
     return [_emitting(shape, tinted(units.area_radiance(power, area)))]
 
 

@@ -82,7 +82,43 @@ class LODESTAR_PT_passes(_Panel, bpy.types.Panel):
         column.prop(settings, "combined_denoised")
 
 
-CLASSES = (LODESTAR_PT_length, LODESTAR_PT_paths, LODESTAR_PT_passes)
+class LODESTAR_PT_motion(_Panel, bpy.types.Panel):
+    """How long the shutter is open."""
+
+    bl_label = "Motion Blur"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context: Any) -> None:
+        self.layout.prop(context.scene.render, "use_motion_blur", text="")
+
+    def draw(self, context: Any) -> None:
+        render, layout = context.scene.render, self.layout
+        layout.use_property_split, layout.active = True, render.use_motion_blur
+        layout.prop(render, "motion_blur_position", text="Position")
+        layout.prop(render, "motion_blur_shutter")
+
+
+class LODESTAR_PT_object_motion(_Panel, bpy.types.Panel):
+    """Motion of an object, by the settings of Cycles."""
+
+    bl_label = "Motion Blur"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return super().poll(context) and hasattr(context.object, "cycles")
+
+    def draw_header(self, context: Any) -> None:
+        self.layout.prop(context.object.cycles, "use_motion_blur", text="")
+
+    def draw(self, context: Any) -> None:
+        settings, layout = context.object.cycles, self.layout
+        layout.use_property_split, layout.active = True, settings.use_motion_blur
+        layout.prop(settings, "motion_steps", text="Steps")
+
+
+CLASSES = (LODESTAR_PT_length, LODESTAR_PT_paths, LODESTAR_PT_motion, LODESTAR_PT_object_motion, LODESTAR_PT_passes)
 
 
 def _shared_panels() -> list[Any]:

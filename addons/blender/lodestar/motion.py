@@ -1,0 +1,165 @@
+"""Motion: where objects are while the shutter is open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable
+from typing import Any, Optional
+
+import numpy as np
+
+from .report import Report
+from .xml import Course
+
+# Sets the frame and its fraction, and evaluates the scene there.
+FrameSet = Callable[[int, float], None]
+# 2^4 + 1 keys are the most that the renderer takes.
+MOST_STEPS = 4
+# Most that a key may amplify roundings: half of what the renderer allows.
+MOST_AMPLIFICATION = 500.0
+CAMERA = "camera"
+
+
+class Shutter:
+    """Time in which a scene's shutter is open, from 0 to 1."""
+
+    def __init__(self, scene: Any, frame_set: FrameSet) -> None:
+        self._frame_set = frame_set
+        self._frame = scene.frame_current + scene.frame_subframe
+        render = scene.render
+        self._duration = render.motion_blur_shutter
+        self._middle = self._frame + {"START": 0.5, "END": -0.5}.get(render.motion_blur_position, 0.0) * self._duration
+
+    def go(self, time: float) -> None:
+        """Sets the scene to a time of the shutter."""
+        self._set(self._middle + (time - 0.5) * self._duration)
+
+    def close(self) -> None:
+        """Sets the scene to its frame."""
+        self._set(self._frame)
+
+    def _set(self, frame: float) -> None:
+        self._frame_set(math.floor(frame), frame - math.floor(frame))
+
+
+def shutter(depsgraph: Any, frame_set: FrameSet, report: Report) -> Optional[Shutter]:
+    """Shutter of a scene; None where nothing is blurred."""
+    scene, render = depsgraph.scene, depsgraph.scene.render
+    if not render.use_motion_blur or not getattr(depsgraph.view_layer, "use_motion_blur", True) or render.motion_blur_shutter <= 0.0:
+        return None
+    if getattr(getattr(scene, "cycles", None), "rolling_shutter_type", "NONE") != "NONE":
+        report.warn("scene", "a rolling shutter is not supported; it opens for the whole picture at once")
+    curve = render.motion_blur_shutter_curve
+    curve.initialize()
+    if min(curve.evaluate(curve.curves[0], at / 16.0) for at in range(17)) < 0.99:
+        report.warn("scene", "the curve of the shutter is not supported; the shutter opens and closes at once")
+    return Shutter(scene, frame_set)
+
+
+def identity(instance: Any) -> Hashable:
+    """Name of an instance, which it has at all times."""
+    owner = instance.object
+    if not instance.is_instance:
+        return owner.name_full
+    return owner.name_full, instance.parent.name_full, tuple(instance.persistent_id)
+
+
+def key_times(owner: Any, parent: Any, report: Report) -> list[float]:
+    """Times of an object's keys. As in Cycles, an object and the one that instances it have 2^steps + 1, and none if one is not blurred."""
+    counts = []
+    for each in (owner, parent or owner):
+        settings = getattr(each, "cycles", None)
+        if not getattr(settings, "use_motion_blur", True):
+            return []
+        counts.append(max(getattr(settings, "motion_steps", 1), 1))
+    if max(counts) > MOST_STEPS:
+        report.warn(f'object "{owner.name}"', f"more than {MOST_STEPS} steps of motion are not supported; it has {MOST_STEPS}")
+    return [float(time) for time in np.linspace(0.0, 1.0, 2 ** min(max(counts), MOST_STEPS) + 1)]
+
+
+class Motions:
+    """Courses of a scene's instances and of its camera."""
+
+    def __init__(self, depsgraph: Any, camera: Any, report: Report) -> None:
+        self._depsgraph, self._camera, self._report = depsgraph, camera, report
+        self._times: dict[Hashable, list[float]] = {}
+        self._keys: dict[Hashable, dict[float, Any]] = {}
+        # Vertices and lenses of a visited time.
+        self._shapes: dict[str, Any] = {}
+
+    def record(self, open_shutter: Shutter) -> None:
+        """Visits the times of the shutter, and leaves the scene at the middle."""
+        pending, done = {0.0, 0.5, 1.0}, set()
+        while pending:
+            time = min(pending)
+            open_shutter.go(time)
+            self._visit(time)
+            done.add(time)
+            pending = (pending | {time for times in self._times.values() for time in times}) - done
+        open_shutter.go(0.5)
+        self._keys = {name: keys for name, keys in self._keys.items() if any(key != keys[min(keys)] for key in keys.values())}
+        self._shapes.clear()
+
+    def __bool__(self) -> bool:
+        return bool(self._keys)
+
+    def course(self, name: Hashable, matrix: Any, place: str) -> Course:
+        """Course of an instance or of the camera, whose place in the middle of the time is `matrix`."""
+        if name not in self._keys:
+            return Course(matrix)
+        keys = tuple(sorted(self._keys[name].items()))
+        if _is_usable([key for _, key in keys]):
+            return Course(matrix, keys)
+        self._report.warn(place, "it is flat, or sheared too much, while it moves, which is not supported; it stands still")
+        return Course(matrix)
+
+    def _visit(self, time: float) -> None:
+        for instance in self._depsgraph.object_instances:
+            owner = instance.object
+            if instance.show_self and owner.type in ("MESH", "LIGHT"):
+                parent = instance.parent if instance.is_instance else None
+                self._add(identity(instance), owner, parent, instance.matrix_world, time)
+        camera = self._camera.evaluated_get(self._depsgraph)
+        self._add(CAMERA, camera, None, camera.matrix_world, time)
+
+    def _add(self, name: Hashable, owner: Any, parent: Any, matrix: Any, time: float) -> None:
+        if name not in self._times:
+            self._times[name] = key_times(owner, parent, self._report)
+        if time in self._times[name]:
+            self._keys.setdefault(name, {})[time] = matrix.copy()
+            if time in (0.0, 1.0):
+                self._compare(owner)
+
+    def _compare(self, owner: Any) -> None:
+        """Reports a shape or a lens that differs from that of another time."""
+        found = _shape(owner)
+        if found is None or np.array_equal(found, self._shapes.setdefault(owner.name_full, found)):
+            return
+        if owner.type == "CAMERA":
+            self._report.warn(f'camera "{owner.name}"', "its lens changes while the shutter is open, which is not supported")
+        else:
+            message = "its shape changes while the shutter is open, which is not supported; it moves as a whole"
+            self._report.warn(f'object "{owner.name}"', message)
+
+
+def _shape(owner: Any) -> Optional[np.ndarray]:
+    """Numbers of what cannot move by itself; None where nothing changes it."""
+    data = owner.data
+    if owner.type == "CAMERA":
+        return np.array([data.lens, data.ortho_scale, data.sensor_width, data.shift_x, data.shift_y])
+    original = owner.original
+    is_plain = original.type == "MESH" and not original.modifiers and getattr(original.data, "shape_keys", None) is None
+    if owner.type != "MESH" or is_plain or not getattr(getattr(owner, "cycles", None), "use_deform_motion", True):
+        return None
+    points = np.empty(3 * len(data.vertices), np.float32)
+    data.vertices.foreach_get("co", points)
+    return points
+
+
+def _is_usable(matrices: list[Any]) -> bool:
+    """Whether a motion has an inverse at all times."""
+    linear = np.array([matrix.to_3x3() for matrix in matrices], np.float64)
+    determinants = np.linalg.det(linear)
+    if not np.isfinite(linear).all() or (np.abs(determinants) < 1e-24).any() or np.ptp(np.sign(determinants)) > 0.0:
+        return False
+    return float((np.abs(linear) @ np.abs(np.linalg.inv(linear))).max()) <= MOST_AMPLIFICATION
