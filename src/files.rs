@@ -13,6 +13,8 @@ use crate::{Error, Result};
 const ABANDONED_AFTER: Duration = Duration::from_secs(10);
 /// Most temporary files of this process's number that are passed over.
 const MOST_LEFT_BEHIND: usize = 1000;
+/// Command that makes a folder and those above it.
+const MAKE_FOLDER: &str = if cfg!(windows) { "mkdir" } else { "mkdir -p" };
 /// Endings of the pictures that a render writes.
 pub const PICTURE_ENDINGS: [&str; 2] = ["exr", "png"];
 
@@ -89,7 +91,9 @@ fn explained(error: io::Error, target: &Path) -> io::Error {
     match fs::metadata(folder) {
         Err(missing) if missing.kind() == io::ErrorKind::NotFound => {
             let folder = folder.display();
-            io::Error::other(format!("there is no folder `{folder}`; make it first, such as by `mkdir -p {folder}`"))
+            io::Error::other(format!(
+                "there is no folder `{folder}`; make it first, such as by `{MAKE_FOLDER} {folder}`"
+            ))
         }
         Ok(metadata) if !metadata.is_dir() => {
             io::Error::other(format!("`{}` is no folder; give another path", folder.display()))

@@ -4,9 +4,90 @@ use std::path::PathBuf;
 
 use super::device_info::{DeviceInfo, DeviceKind};
 
-pub(super) const NO_LOADER: &str = "no Vulkan loader found: install it (`apt-get install libvulkan1`, or run setup.sh)";
-pub(super) const NO_DRIVER: &str = "no Vulkan driver found: install your GPU's, or `apt-get install mesa-vulkan-drivers` to render on the CPU (setup.sh \
-     does), and check that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or correct";
+/// Sentence about a missing Vulkan loader, with this system's way to get it.
+pub(super) const NO_LOADER: &str = System::HERE.no_loader();
+/// Sentence about a missing Vulkan driver, with this system's way to get one.
+pub(super) const NO_DRIVER: &str = System::HERE.no_driver();
+/// Sentence about a missing validation layer, with this system's way to get it.
+pub(super) const NO_LAYER: &str = System::HERE.no_layer();
+/// Sentence about a Vulkan loader that is too old.
+pub(super) const OLD_LOADER: &str = System::HERE.old_loader();
+
+/// Operating systems whose ways to install a driver differ.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) enum System {
+    #[default]
+    Linux,
+    MacOs,
+    Windows,
+}
+
+impl System {
+    /// The system that the program was built for.
+    pub(super) const HERE: Self = if cfg!(windows) {
+        Self::Windows
+    } else if cfg!(target_os = "macos") {
+        Self::MacOs
+    } else {
+        Self::Linux
+    };
+
+    const fn no_loader(self) -> &'static str {
+        match self {
+            Self::Linux => "no Vulkan loader found: install it (`apt-get install libvulkan1`, or run setup.sh)",
+            Self::MacOs => {
+                "no Vulkan loader found: install it with MoltenVK (`brew install vulkan-loader molten-vk`, or run setup.sh)"
+            }
+            Self::Windows => {
+                "no Vulkan loader (vulkan-1.dll) found: install your GPU's driver from its maker, which brings the loader"
+            }
+        }
+    }
+
+    const fn no_driver(self) -> &'static str {
+        match self {
+            Self::Linux => {
+                "no Vulkan driver found: install your GPU's, or `apt-get install mesa-vulkan-drivers` to render on the CPU (setup.sh \
+                 does), and check that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or correct"
+            }
+            Self::MacOs => {
+                "no Vulkan driver found: `brew install molten-vk` (setup.sh does), and check that VK_DRIVER_FILES and \
+                 VK_ICD_FILENAMES are unset or correct"
+            }
+            Self::Windows => {
+                "no Vulkan driver found: install your GPU's driver from its maker. To render on the CPU, unpack a build of Mesa for \
+                 Windows and set VK_DRIVER_FILES to its lvp_icd.x86_64.json. Check that VK_DRIVER_FILES and VK_ICD_FILENAMES are \
+                 otherwise unset"
+            }
+        }
+    }
+
+    const fn no_layer(self) -> &'static str {
+        match self {
+            Self::Linux => {
+                "the validation layer VK_LAYER_KHRONOS_validation is not installed: `apt-get install vulkan-validationlayers` \
+                 (setup.sh does), or leave out --validate"
+            }
+            Self::MacOs => {
+                "the validation layer VK_LAYER_KHRONOS_validation is not installed: `brew install vulkan-validationlayers`, or \
+                 leave out --validate"
+            }
+            Self::Windows => {
+                "the validation layer VK_LAYER_KHRONOS_validation is not installed: install the Vulkan SDK, or leave out --validate"
+            }
+        }
+    }
+
+    const fn old_loader(self) -> &'static str {
+        match self {
+            Self::Linux => "the Vulkan loader is older than 1.2: install a newer libvulkan1",
+            Self::MacOs => "the Vulkan loader is older than 1.2: `brew upgrade vulkan-loader`",
+            Self::Windows => {
+                "the Vulkan loader is older than 1.2: install a newer driver of your GPU, which brings a newer loader"
+            }
+        }
+    }
+}
 
 /// PCI number of the vendor NVIDIA.
 const NVIDIA: u32 = 0x10de;
@@ -19,6 +100,8 @@ const MEASURED: &str = "Mesa 25.0.7 had 1.2 to 1.38 times the speed of 22.3.6 on
 /// Facts about a machine that decide which Vulkan devices there are.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Facts {
+    /// Operating system, whose way to install a driver the sentences name.
+    pub system: System,
     /// Whether the Vulkan loader can be loaded.
     pub has_loader: bool,
     /// Devices that the loader offers.
@@ -44,11 +127,11 @@ pub(super) struct Facts {
 /// Sentences about everything that keeps a device of the machine from use, or makes it slow. The most basic comes first.
 pub(super) fn diagnose(facts: &Facts) -> Vec<String> {
     if !facts.has_loader {
-        return vec![NO_LOADER.into()];
+        return vec![facts.system.no_loader().into()];
     }
     let mut sentences = Vec::new();
     if facts.devices.is_empty() {
-        sentences.push(NO_DRIVER.into());
+        sentences.push(facts.system.no_driver().into());
     }
     if let Some((name, value)) = &facts.driver_list
         && !has_hardware_device(facts)
@@ -129,12 +212,13 @@ fn mesa_sentence(facts: &Facts) -> Option<String> {
     let version = device.driver_info.strip_prefix("Mesa ").filter(|_| device.driver_name == "llvmpipe")?;
     let version = version.split(' ').next()?;
     let is_old = version.split('.').next()?.parse::<u32>().is_ok_and(|major| major < NEWER_MESA);
-    is_old.then(|| {
-        format!(
-            "the CPU renders with Mesa {version}; a newer one may be faster: {MEASURED}. To try it on Debian, \
-             `./setup.sh --mesa` in Lodestar's sources unpacks one beside the system's"
-        )
-    })
+    let way = match facts.system {
+        System::Linux => {
+            ". To try it on Debian, `./setup.sh --mesa` in Lodestar's sources unpacks one beside the system's"
+        }
+        System::MacOs | System::Windows => "",
+    };
+    is_old.then(|| format!("the CPU renders with Mesa {version}; a newer one may be faster: {MEASURED}{way}"))
 }
 
 #[cfg(test)]
@@ -196,6 +280,25 @@ mod tests {
     #[test]
     fn a_missing_loader_is_all_that_is_said() {
         assert_says(&Facts { has_loader: false, devices: vec![], ..nvidia() }, &[&["no Vulkan loader", "libvulkan1"]]);
+    }
+
+    /// Each system has its own way to install what is missing, and names no other's.
+    #[test]
+    fn advice_names_the_way_of_the_system() {
+        let ways = [
+            (System::Linux, ["libvulkan1", "mesa-vulkan-drivers"], ["brew", "maker"]),
+            (System::MacOs, ["brew install vulkan-loader", "brew install molten-vk"], ["apt-get", "maker"]),
+            (System::Windows, ["vulkan-1.dll", "lvp_icd.x86_64.json"], ["apt-get", "setup.sh"]),
+        ];
+        for (system, [loader, driver], foreign) in ways {
+            let nothing = Facts { system, devices: vec![], default: None, ..healthy() };
+            assert_says(&Facts { has_loader: false, ..nothing.clone() }, &[&["no Vulkan loader", loader]]);
+            assert_says(&nothing, &[&["no Vulkan driver", driver, "VK_DRIVER_FILES"]]);
+            let old = Facts { system, devices: vec![cpu("Mesa 22.3.6 (LLVM 15.0.6)")], ..healthy() };
+            assert_says(&old, &[&["Mesa 22.3.6"]]);
+            let said = [diagnose(&nothing), diagnose(&old), vec![system.no_layer().into(), system.old_loader().into()]];
+            assert!(!said.concat().iter().any(|sentence| foreign.iter().any(|way| sentence.contains(way))), "{said:?}");
+        }
     }
 
     #[test]

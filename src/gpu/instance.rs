@@ -5,15 +5,12 @@ use std::ffi::{CStr, c_char};
 use ash::{ext, khr, vk};
 
 use super::debug::{Messenger, ValidationLog, c_name};
-use super::diagnosis::{NO_DRIVER, NO_LOADER};
+use super::diagnosis::{NO_DRIVER, NO_LAYER, NO_LOADER, OLD_LOADER};
 use super::fault::failed;
 use super::fault_injection::{May, before};
 use crate::{Error, Result};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
-
-const NO_LAYER: &str = "the validation layer VK_LAYER_KHRONOS_validation is not installed: \
-                        `apt-get install vulkan-validationlayers` (setup.sh does), or leave out --validate";
 
 /// Vulkan instance and the library that it came from.
 pub(super) struct Instance {
@@ -122,7 +119,7 @@ fn require_version(entry: &ash::Entry) -> Result<()> {
     let version = unsafe { entry.try_enumerate_instance_version() }.map_err(failed("vkEnumerateInstanceVersion"))?;
     match version {
         Some(version) if version >= vk::API_VERSION_1_2 => Ok(()),
-        _ => Err(Error::Device("the Vulkan loader is older than 1.2: install a newer libvulkan1".into())),
+        _ => Err(Error::Device(OLD_LOADER.into())),
     }
 }
 

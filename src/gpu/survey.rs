@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::context::list_devices;
 use super::device_info::DeviceInfo;
-use super::diagnosis::{Facts, diagnose};
+use super::diagnosis::{Facts, System, diagnose};
 use super::instance::has_loader;
 use super::selection;
 
@@ -57,6 +57,7 @@ fn facts(devices: Vec<DeviceInfo>, default: Option<usize>) -> Facts {
     let list = |name: &&'static str| Some((*name, env::var(name).ok().filter(|value| !value.is_empty())?));
     let exists = |path: &str| Path::new(path).exists();
     Facts {
+        system: System::HERE,
         has_loader: has_loader(),
         devices,
         default,

@@ -1,6 +1,7 @@
 //! Rules about layering and prose that the crate's documentation promises, checked on the sources and documents themselves.
 
 mod book;
+mod commands;
 mod faults;
 mod features;
 mod glsl;
@@ -108,6 +109,13 @@ fn documents_lead_somewhere() {
     assert!(pages.len() > 10, "{} documents", pages.len());
     assert_none(book::violations(&pages, &|path| root().join(path).exists()));
     assert_none(book::picture_violations(&pages, &book::read_pictures(root())));
+}
+
+#[test]
+fn commands_of_contributors_and_workflows_run_what_there_is() {
+    let texts = commands::read(root());
+    assert!(texts.len() > 3, "{} files with commands", texts.len());
+    assert_none(commands::violations(&texts, &|path| root().join(path).exists()));
 }
 
 #[test]
