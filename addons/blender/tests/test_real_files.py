@@ -1,0 +1,52 @@
+"""The script that renders a folder of .blend files."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import real_files
+import scenes
+import support
+
+
+def test_a_folder(tmp_path: Path) -> None:
+    """Files that agree, are refused, have no camera, or are no .blend files."""
+    scene = scenes.empty()
+    scenes.camera(scene, (0, 0, 3), (0, 0, 0))
+    scenes.world(scene, (1, 1, 1))
+    plane = scenes.plane(scene, "ground", 9, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    save = lambda name: bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / f"{name}.blend"))  # noqa: E731
+    save("agrees")
+    plane.is_holdout = True
+    save("differs")
+    scene.camera.data.type = "PANO"
+    save("panorama")
+    scene.camera = None
+    save("without")
+    (tmp_path / "noise.blend").write_bytes(b"noise")
+    command = [sys.executable, real_files.__file__, str(tmp_path), "--compare", "--samples", "16", "--size", "32"]
+    ended = subprocess.run(command, env={**os.environ, "LODESTAR": support.PROGRAM}, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    lines = ended.stdout.splitlines()
+    for start in (
+        "agrees.blend: rendered, 0 warnings, agrees: mean 1.00",
+        "differs.blend: rendered, 1 warnings, differs",
+        "noise.blend: not opened",
+        "panorama.blend: refused",
+        "without.blend: no camera",
+        "1 of 2 without a warning",
+        "1 agree with Cycles, 1 of them without a warning",
+        "    1 object: a holdout is not supported; it is an ordinary surface",
+    ):
+        assert any(line.startswith(start) for line in lines), (start, ended.stdout)
+
+
+def test_kinds_of_warnings() -> None:
+    """Names and numbers of one file are no part of a kind."""
+    kind = 'material: the node "..." (Noise Texture) is not supported'
+    assert real_files.kind_of('material "A": the node "Noise.001" (Noise Texture) is not supported') == kind
+    assert real_files.kind_of('material "B: 2": the node "N" (Noise Texture) is not supported') == kind
