@@ -60,6 +60,8 @@ def export(camera_object: Any, course: xml.Course, scene: Any, filter_name: str,
     shift = (camera.shift_x * side / size.width, camera.shift_y * side / size.height)
     course = course.mapped(lambda matrix: _upright(matrix, place, report))
     if camera.type == "ORTHO":
+        if camera.dof.use_dof:
+            report.warn(place, "depth of field of an orthographic camera is not supported; the picture is sharp")
         element = _orthographic(camera, course, size, is_horizontal)
     else:
         element = _perspective(camera, camera_object, course, is_horizontal, sensor, shift, place, report)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
 
-from . import camera, lights, materials, motion, world, xml
+from . import camera, lights, materials, motion, unsupported, world, xml
 from .hashes import number_of_object
 from .images import Images
 from .instances import Shapes
@@ -18,7 +18,6 @@ from .report import Report
 SCENE_FILE = "scene.xml"
 # Objects without a surface. That of a curve, a text or a metaball is an instance of its own, of the type MESH.
 INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER", "CURVE", "SURFACE", "FONT", "META"}
-VISIBILITIES = ("diffuse", "glossy", "transmission", "shadow")
 
 
 @dataclass
@@ -76,6 +75,8 @@ class _Exporter:
     def run(self) -> Export:
         scene = self.depsgraph.scene_eval
         self.camera = self.camera.evaluated_get(self.depsgraph)
+        self.layer = self.depsgraph.view_layer_eval
+        unsupported.report_scene(self.depsgraph, self.report)
         course = self.motions.course(motion.CAMERA, self.camera.matrix_world, f'camera "{self.camera.name}"')
         sensor = camera.export(self.camera, course, scene, self.options.filter, self.report)
         if self.motions:
@@ -83,9 +84,7 @@ class _Exporter:
         self.projection = camera.projection(self.camera, scene, self.depsgraph)
         for instance in self.depsgraph.object_instances:
             self._instance(instance)
-        # A view layer may leave the world out.
-        has_world = self.depsgraph.view_layer_eval.use_sky
-        environment = world.export(scene.world, self.images, self.report) if has_world else None
+        environment = world.export(self._world(scene), self.images, self.report)
         hides = self._hides_emitters(scene, environment)
         integrator = xml.add(xml.plugin("integrator", "path"), "max_depth", self.options.max_depth)
         if hides:
@@ -119,11 +118,11 @@ class _Exporter:
             return
         if owner.type == "LIGHT":
             self._light(owner, self._course(instance))
-        elif owner.type == "MESH":
+        elif owner.type == "MESH" and self.layer.use_solid:
             course = self._course(instance)
             number = instance.random_id if instance.is_instance else number_of_object(owner.name)
             self._surface(Placed(owner, course.matrix, number), course)
-        elif owner.type not in INVISIBLE:
+        elif owner.type not in INVISIBLE and owner.type != "MESH":
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
         if any(system.settings.type == "HAIR" for system in getattr(owner, "particle_systems", [])):
             self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
@@ -139,7 +138,7 @@ class _Exporter:
             # A portal says where light comes in, and sheds none.
             return
         emitters = lights.export(owner.data, course, owner.name, self.report)
-        self._report_visibility(owner)
+        unsupported.report_object(owner, self.report)
         self.emitters.extend(emitters)
         if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
             if self._is_in_view(owner.data, course.matrix):
@@ -152,22 +151,11 @@ class _Exporter:
         faces = self.camera.data.type == "ORTHO" or lights.faces(light, matrix, self.camera.matrix_world.translation)
         return faces and camera.may_see(self.camera, scene, lights.corners(light, matrix))
 
-    def _report_visibility(self, owner: Any) -> None:
-        hidden = [name for name in VISIBILITIES if not getattr(owner, f"visible_{name}", True)]
-        if owner.type != "LIGHT" and not owner.visible_camera:
-            hidden.insert(0, "camera")
-        if hidden:
-            self.report.warn(f'object "{owner.name}"', f"its invisibility to {', '.join(hidden)} rays is not supported; it is visible")
-        if owner.type == "LIGHT":
-            return
-        for name, text in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
-            if getattr(owner, name, False):
-                self.report.warn(f'object "{owner.name}"', f"{text} is not supported; it is an ordinary surface")
-
     def _surface(self, placed: Placed, course: xml.Course) -> None:
         owner = placed.owner
-        self._report_visibility(owner)
-        slots = [slot.material for slot in owner.material_slots] or [None]
+        unsupported.report_object(owner, self.report)
+        override = self.layer.material_override
+        slots = [override] if override is not None else [slot.material for slot in owner.material_slots] or [None]
         keys = [self._material(material, placed) for material in slots]
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
@@ -218,6 +206,10 @@ class _Exporter:
         return bsdf
 
     # ---------------------------------------------------------------------------------------------- whole scene
+
+    def _world(self, scene: Any) -> Any:
+        """World of the view layer, which may leave it out or have one of its own."""
+        return (getattr(self.layer, "world_override", None) or scene.world) if self.layer.use_sky else None
 
     def _hides_emitters(self, scene: Any, environment: Optional[xml.Element]) -> bool:
         """Whether the camera sees no emitter: where the film is transparent, or lamps are the only ones."""

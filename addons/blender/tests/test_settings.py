@@ -137,6 +137,28 @@ def second_colors() -> Any:
     return scene
 
 
+def overridden() -> Any:
+    """A view layer whose material replaces all others."""
+    scene = base()
+    scene.view_layers[0].material_override = scenes.diffuse("blue", (0.2, 0.3, 0.7))
+    return scene
+
+
+def no_surfaces_in_layer() -> Any:
+    scene = base()
+    scene.view_layers[0].use_solid = False
+    return scene
+
+
+def world_of_layer() -> Any:
+    """A view layer with a world of its own, which Blender has since 5.0."""
+    scene = base()
+    first = scene.world
+    scenes.world(scene, (0.2, 0.3, 0.7))
+    scene.view_layers[0].world_override, scene.world = scene.world, first
+    return scene
+
+
 # Scene, largest deviation of a block mean, and of the whole mean; `no_material` has Disney's diffuse base (docs/blender.md).
 ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (portal, 0.03, 0.01),
@@ -149,7 +171,11 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (emission_under_alpha, 0.03, 0.01),
     (emission_under_texture, 0.03, 0.01),
     (second_colors, 0.03, 0.01),
+    (overridden, 0.03, 0.01),
+    (no_surfaces_in_layer, 0.03, 0.01),
 ]
+if "world_override" in bpy.types.ViewLayer.bl_rna.properties:
+    ROWS.append((world_of_layer, 0.03, 0.01))
 
 
 @pytest.mark.parametrize("build,block,whole", ROWS, ids=[row[0].__name__ for row in ROWS])
@@ -164,6 +190,63 @@ def test_agrees_with_cycles(build: Any, block: float, whole: float) -> None:
 
 def exported(folder: Path) -> export.Export:
     return export.export(bpy.context.evaluated_depsgraph_get(), folder, export.Options())
+
+
+def sharp_orthographic(scene: Any) -> None:
+    scene.camera.data.type, scene.camera.data.dof.use_dof = "ORTHO", True
+
+
+def linked_light(scene: Any) -> None:
+    lamp(scene, "SUN", 1.0).light_linking.receiver_collection = bpy.data.collections.new("lit")
+
+
+def without_mis(scene: Any) -> None:
+    lamp(scene, "SUN", 1.0).data.cycles.use_multiple_importance_sampling = False
+
+
+def few_bounces(scene: Any) -> None:
+    lamp(scene, "SUN", 1.0).data.cycles.max_bounces = 0
+
+
+def invisible_world(scene: Any) -> None:
+    scene.world.cycles_visibility.camera = False
+
+
+def transparent_glass(scene: Any) -> None:
+    scene.render.film_transparent = scene.cycles.film_transparent_glass = True
+
+
+def held_out(scene: Any) -> None:
+    scene.collection.children.link(bpy.data.collections.new("masks"))
+    scene.view_layers[0].layer_collection.children["masks"].holdout = True
+
+
+def indirect(scene: Any) -> None:
+    scene.collection.children.link(bpy.data.collections.new("sources"))
+    scene.view_layers[0].layer_collection.children["sources"].indirect_only = True
+
+
+@pytest.mark.parametrize(
+    "change,text",
+    [
+        (sharp_orthographic, 'camera "camera": depth of field of an orthographic camera'),
+        (linked_light, 'object "lamp": light linking'),
+        (without_mis, 'light "lamp": a lamp without Multiple Importance'),
+        (few_bounces, 'light "lamp": a limit of its bounces'),
+        (invisible_world, 'world "world": its invisibility to camera rays'),
+        (transparent_glass, "scene: transparent glass"),
+        (held_out, 'collection "masks": a holdout'),
+        (indirect, 'collection "sources": Indirect Only'),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_what_is_not_rendered_is_named(tmp_path: Path, change: Callable[[Any], None], text: str) -> None:
+    """Settings without a counterpart have a sentence of their own, and the same scene without them has none."""
+    scene = base()
+    assert exported(tmp_path).report.warnings == []
+    change(scene)
+    warnings = exported(tmp_path).report.warnings
+    assert len(warnings) == 1 and warnings[0].startswith(text), warnings
 
 
 def matrices(found: export.Export) -> list[list[float]]:

@@ -1,0 +1,66 @@
+"""Settings of objects, view layers and the film that are not rendered: the report names them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from .report import Report
+
+# Rays to which an object or a world may be invisible, besides those of the camera.
+VISIBILITIES = ("diffuse", "glossy", "transmission", "shadow")
+
+
+def report_object(owner: Any, report: Report) -> None:
+    """Reports settings of a surface or a lamp."""
+    is_light = owner.type == "LIGHT"
+    place = f'object "{owner.name}"'
+    hidden = [name for name in VISIBILITIES if not getattr(owner, f"visible_{name}", True)]
+    if not is_light and not owner.visible_camera:
+        hidden.insert(0, "camera")
+    if hidden:
+        report.warn(place, f"its invisibility to {', '.join(hidden)} rays is not supported; it is visible")
+    linking = getattr(owner, "light_linking", None)
+    if linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None):
+        report.warn(place, "light linking is not supported; its light reaches all objects, and all of them block it")
+    if is_light:
+        _report_light(owner, report)
+        return
+    for name, text in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
+        if getattr(owner, name, False):
+            report.warn(place, f"{text} is not supported; it is an ordinary surface")
+
+
+def _report_light(owner: Any, report: Report) -> None:
+    settings, place = getattr(owner.data, "cycles", None), f'light "{owner.name}"'
+    if getattr(settings, "max_bounces", 1024) < 16:
+        report.warn(place, "a limit of its bounces is not supported")
+    # Without it, no light is found by the surfaces that scatter it, and mirrors do not show the lamp.
+    has_size = owner.data.type == "AREA" or getattr(owner.data, "shadow_soft_size", 0.0) > 0.0 or owner.data.type == "SUN"
+    if has_size and not getattr(settings, "use_multiple_importance_sampling", True):
+        report.warn(place, "a lamp without Multiple Importance is not supported; mirrors show it")
+
+
+def report_scene(depsgraph: Any, report: Report) -> None:
+    """Reports settings of the film, the world and the view layer."""
+    scene, layer = depsgraph.scene, depsgraph.view_layer
+    cycles = getattr(scene, "cycles", None)
+    if scene.render.film_transparent and getattr(cycles, "film_transparent_glass", False):
+        report.warn("scene", "transparent glass is not supported; a transparent film shows glass as covered")
+    world = getattr(layer, "world_override", None) or scene.world
+    visibility = getattr(world, "cycles_visibility", None)
+    hidden = [name for name in ("camera", *VISIBILITIES[:3]) if not getattr(visibility, name, True)]
+    if hidden:
+        report.warn(f'world "{world.name}"', f"its invisibility to {', '.join(hidden)} rays is not supported; it is visible")
+    for collection in _collections(layer.layer_collection):
+        for name, text in (("holdout", "a holdout"), ("indirect_only", "Indirect Only")):
+            if getattr(collection, name):
+                report.warn(f'collection "{collection.name}"', f"{text} is not supported; its objects are ordinary ones")
+
+
+def _collections(collection: Any) -> Iterator[Any]:
+    """Collections of a view layer that are rendered."""
+    if not collection.exclude:
+        yield collection
+        for child in collection.children:
+            yield from _collections(child)
