@@ -58,7 +58,7 @@ page() {
   cat <<END
 # Gallery
 
-For everybody who wants to see pictures before figures.
+For everybody who wants to see pictures before figures. After this page you can make them again.
 
 One command writes this page with its pictures and its plot: see [The command](#the-command). The scenes are those of the paper, from
 Benedikt Bitterli's [rendering resources](https://benedikt-bitterli.me/resources/). These pictures are of $build.
