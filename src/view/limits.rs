@@ -20,10 +20,11 @@ pub const PART_BYTES: usize = 64 << 10;
 
 /// Threads that make layers, cells and pixels.
 pub const WORKERS: usize = 2;
-/// Most answers with layers, cells or pixels at one time, made or being sent. A layer of 8 million pixels has 48 MiB.
-pub const ANSWERS: usize = 12;
-/// Most answers with the denoised layer at one time. One thread denoises.
-pub const DENOISED_ANSWERS: usize = 4;
+/// Most memory of answers with layers, cells or pixels at one time, made or being sent, in MiB. A layer of 8 million pixels has 48 MiB.
+/// A larger answer than this is made alone.
+pub const ANSWERS_MIB: u32 = 576;
+/// Most memory of answers with the denoised layer at one time, in MiB. One thread denoises.
+pub const DENOISED_ANSWERS_MIB: u32 = 192;
 /// Time that a holder waits for others' answers.
 pub const QUEUE_TIME: Duration = Duration::from_secs(30);
 

@@ -27,7 +27,7 @@ use crate::view::denoiser;
 use crate::view::events::Listeners;
 use crate::view::guard::{Asking, Guard};
 use crate::view::guests::Visit;
-use crate::view::limits::{ANSWERS, DENOISED_ANSWERS, Limits, STRANGER_REQUESTS, WORKERS};
+use crate::view::limits::{ANSWERS_MIB, DENOISED_ANSWERS_MIB, Limits, STRANGER_REQUESTS, WORKERS};
 use crate::view::pixel::{PixelFacts, cells_of_pixels};
 use crate::view::shot::{Content, DENOISED, Shot};
 use crate::view::workers::{Failure, Workers};
@@ -79,8 +79,8 @@ impl Desk {
         Ok(Self {
             guard,
             listeners: Listeners::new(Arc::clone(&board), limits.listeners),
-            workers: Workers::start("view worker", WORKERS, ANSWERS)?,
-            denoiser: Workers::start("view denoiser", 1, DENOISED_ANSWERS)?,
+            workers: Workers::start("view worker", WORKERS, ANSWERS_MIB)?,
+            denoiser: Workers::start("view denoiser", 1, DENOISED_ANSWERS_MIB)?,
             board,
         })
     }
@@ -141,7 +141,7 @@ impl Desk {
         let (desk, path, query) = (Arc::clone(self), path.to_owned(), query.to_owned());
         let is_denoised = path == "/layer" && Query::new(&query).layer() == DENOISED;
         let workers = if is_denoised { &self.denoiser } else { &self.workers };
-        let made = workers.run(move || desk.make(&path, &Query::new(&query))).await;
+        let made = workers.run(self.most_bytes(&path), move || desk.make(&path, &Query::new(&query))).await;
         let (answer, permit) = match made {
             Ok((answer, permit)) => (answer, Some(permit)),
             Err(Failure::Busy) => (text(503, "Too many pages ask at once."), None),
@@ -150,6 +150,18 @@ impl Desk {
             }
         };
         claiming(answer, (permit, Some(answering)))
+    }
+
+    /// Most bytes of the content of an answer: three half floats a pixel, or a number a pixel and one a cell. Facts about one pixel
+    /// are few.
+    fn most_bytes(&self, path: &str) -> u64 {
+        let pinned = self.board.lock();
+        let pixels = pinned.shot.as_ref().map_or(0, |shot| shot.size().map(u64::from).iter().product());
+        match path {
+            "/layer" => 6 * pixels,
+            "/cells" => 4 * (pixels + pinned.cells.as_ref().map_or(0, |cells| u64::from(cells.cells.count()))),
+            _ => 0,
+        }
     }
 
     fn make(&self, path: &str, query: &Query<'_>) -> Answer {
