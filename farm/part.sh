@@ -9,7 +9,7 @@
 # folder PICTURE.parts, or name another picture.
 #
 # Variables: SPP (256) samples per pixel of each part, a multiple of --spp-per-step; OPTIONS, options of `lodestar render` with
-# blanks between them; GUIDE, a checkpoint of another render of the scene, with whose guide the part begins; LODESTAR (lodestar),
+# blanks between them; GUIDE, a file of --guide-out or a checkpoint of another render, with whose guide the part begins; LODESTAR (lodestar),
 # the program.
 set -euo pipefail
 
@@ -17,7 +17,7 @@ set -euo pipefail
 scene=$1 parts=${2%.exr}.parts part=$3
 spp=${SPP:-256} lodestar=${LODESTAR:-lodestar}
 read -ra options <<<"${OPTIONS:-}"
-[[ -z ${GUIDE:-} ]] || options+=(--guide-from "$GUIDE")
+[[ -z ${GUIDE:-} ]] || options+=(--guide "$GUIDE")
 
 mkdir -p "$parts"
 name=$parts/$(printf %06d "$part")

@@ -27,7 +27,6 @@ class _Keywords(TypedDict, total=False):
     rfilter: Literal["box", "tent", "gaussian"] | None
     checkpoint: _Path | None
     checkpoint_every: float | str | None
-    guide_from: _Path | None
     noise: float | None
     sampler: Literal["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion", "product", "quadtree"] | None
     max_depth: int | None
@@ -170,13 +169,14 @@ class Renderer:
         width: int | None = None,
         height: int | None = None,
         device: int | str | None = None,
-        guide: Guide | None = None,
+        guide: Guide | _Path | None = None,
         **settings: Unpack[_Keywords],
     ) -> Renderer: ...
     def step(self, samples: int | None = None) -> int: ...
     def run(self, callback: Callable[[Renderer], object] | None = None) -> Picture: ...
     def picture(self) -> Picture: ...
     def checkpoint(self, path: _Path) -> None: ...
+    def write_guide(self, path: _Path) -> None: ...
     @property
     def guide(self) -> Guide: ...
     @property
@@ -213,7 +213,7 @@ def render(
     width: int | None = None,
     height: int | None = None,
     device: int | str | None = None,
-    guide: Guide | None = None,
+    guide: Guide | _Path | None = None,
     callback: Callable[[Renderer], object] | None = None,
     **settings: Unpack[_Keywords],
 ) -> Picture: ...

@@ -94,8 +94,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 ///     Size of the film in pixels. One alone keeps the scene's aspect ratio.
 /// device : int or str
 ///     Index of a device of `lodestar.devices()`, or a part of its name.
-/// guide : Guide
-///     A guide that another render has learned, to begin with. The seeds must differ.
+/// guide : Guide or path
+///     A guide that another render has learned, to begin with, or its file. The seeds must differ.
 /// **settings
 ///     Every other option of `lodestar render`, with underscores: `lodestar.options()` lists them.
 ///
@@ -245,8 +245,12 @@ impl Renderer {
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = scene.py();
-        let guide = guide.map(|guide| guide.cast::<Guide>()).transpose()?;
         let options = options::of_render(settings)?;
+        let (guide, options) = match guide.map(|guide| (guide, guide.cast::<Guide>())) {
+            None => (None, options),
+            Some((_, Ok(guide))) => (Some(guide), options),
+            Some((file, Err(_))) => (None, options.guide(path_of(file)?)),
+        };
         let renderer = Self::begin(py, Subject::of(scene, Choices { camera, environment })?, &options, None)?;
         if let Some(guide) = guide {
             let learned = guide.get().learned();
@@ -312,6 +316,11 @@ impl Renderer {
     /// read from a file, and every step must have had the length of the guide's schedule (`step()`).
     fn checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.0.with(py, |session| session.write_checkpoint(&path))?.map_err(raised)
+    }
+
+    /// Writes the guide as it has been learned so far into a file, with which another render can begin (`guide`).
+    fn write_guide(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.0.with(py, |session| session.write_guide(&path))?.map_err(raised)
     }
 
     /// The guide as it has been learned so far. Later steps do not change it.
@@ -399,8 +408,8 @@ impl Renderer {
 ///     Size of the film in pixels. One alone keeps the scene's aspect ratio.
 /// device : int or str
 ///     Index of a device of `lodestar.devices()`, or a part of its name.
-/// guide : Guide
-///     A guide that another render has learned, to begin with. The seeds must differ.
+/// guide : Guide or path
+///     A guide that another render has learned, to begin with, or its file. The seeds must differ.
 /// callback : callable
 ///     Function of the `Renderer`, called after every step. An answer that is false ends the render; None does not.
 /// **settings

@@ -381,6 +381,20 @@ def test_guides_that_do_not_fit_are_refused(room_scene):
         lodestar.Renderer(room_scene, seed=1, directions=16, guide=second.guide)
 
 
+def test_a_guide_is_a_file(room_scene, tmp_path):
+    renderer = lodestar.Renderer(room_scene, seed=1, directions=16)
+    with pytest.raises(lodestar.Error, match="learned nothing yet"):
+        renderer.write_guide(tmp_path / "room.guide")
+    renderer.step(2)
+    renderer.write_guide(tmp_path / "room.guide")
+    begun = lodestar.Renderer(room_scene, seed=2, directions=16, guide=tmp_path / "room.guide")
+    assert begun.guide.radiance.shape == renderer.guide.radiance.shape and (begun.guide.radiance > 0).any()
+    with pytest.raises(lodestar.Error, match="--seed 1 up to number 2 already"):
+        lodestar.Renderer(room_scene, seed=1, directions=16, guide=str(tmp_path / "room.guide"))
+    with pytest.raises(TypeError, match="`guide` sets the guide"):
+        lodestar.Renderer(room_scene, guide_from="room.guide")
+
+
 def test_checkpoints_are_kept_by_keyword(cornell, tmp_path):
     file = tmp_path / "a.ckpt"
     lodestar.render(cornell, width=16, spp=2, checkpoint=file)

@@ -11,7 +11,7 @@ import lodestar
 STUB = pathlib.Path(lodestar.__file__).with_name("_lodestar.pyi")
 BLOCK = re.compile(r"(# --- keywords: [^\n]*\n)(.*?)(# --- end of keywords\n)", re.DOTALL)
 # The signatures name these.
-EXPLICIT = {"spp", "time", "seed", "width", "height", "device"}
+EXPLICIT = {"spp", "time", "seed", "width", "height", "device", "guide"}
 
 
 def keywords():

@@ -15,8 +15,8 @@ use super::render::{RenderArgs, options, render};
 /// Value of `--camera` that asks for all of them.
 const ALL: &str = "all";
 /// Options that belong to one picture.
-const OF_ONE_PICTURE: [&str; 7] =
-    ["checkpoint", "guide-from", "stats", "profile", "reference", "view", "display-server"];
+const OF_ONE_PICTURE: [&str; 8] =
+    ["checkpoint", "guide", "guide-out", "stats", "profile", "reference", "view", "display-server"];
 
 /// Whether `args` ask for all cameras.
 pub fn are_all_wanted(args: &RenderArgs) -> bool {

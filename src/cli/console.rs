@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use lodestar::Result;
+use lodestar::{Result, files};
 use lodestar::film::noise::NoiseReport;
 use lodestar::session::{Ending, Event, Progress};
 
@@ -120,7 +120,7 @@ impl Stage {
 
 /// Line about a file of the picture. A caller who has named no file learns how to.
 fn written(path: &Path, has_names: bool) -> String {
-    match has_names {
+    match has_names || !files::is_picture(path) {
         true => format!("wrote {}", path.display()),
         false => format!("wrote {}; -o NAME.png writes a picture for any viewer", path.display()),
     }

@@ -6,15 +6,18 @@ use std::process::ExitCode;
 
 use lodestar::scene::summary::{Guided, Summary, summarize};
 use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, load, scene_file};
+use lodestar::session::saved_guide::SavedGuide;
 use lodestar::settings::options::form::define;
-use lodestar::{Result, quoted};
+use lodestar::{Error, Result, files, quoted};
+use serde_json::json;
 
 use super::print::{print_json, print_line};
 
-/// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
+/// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided. Of a guide, tells what
+/// it knows.
 #[derive(Debug, Clone, clap::Args)]
 pub struct InfoArgs {
-    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt).
+    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt). Or a guide (.guide).
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Value that replaces the scene's default of that name.
@@ -31,8 +34,11 @@ pub struct InfoArgs {
     json: bool,
 }
 
-/// Reads the scene and prints its summary.
+/// Reads the scene or the guide and prints its summary.
 pub fn run(args: &InfoArgs) -> Result<ExitCode> {
+    if files::has_extension(&args.scene, "guide") {
+        return run_of_guide(args);
+    }
     let InfoArgs { define, camera, environment, .. } = args.clone();
     let options = LoadOptions { defines: define, camera, environment };
     let scene = load(&scene_file(&args.scene)?, &options)?;
@@ -41,6 +47,39 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
         true => print_json(&summary)?,
         false => print_line(describe(&summary).trim_end())?,
     }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads the guide and prints what it knows.
+fn run_of_guide(args: &InfoArgs) -> Result<ExitCode> {
+    let given = [("-D", !args.define.is_empty()), ("--camera", args.camera.is_some()), ("--environment", args.environment.is_some())];
+    if let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) {
+        let message = format!("{}: a guide is read as it is; leave {option} out", args.scene.display());
+        return Err(Error::Settings(message));
+    }
+    let SavedGuide { scene, tables } = SavedGuide::read(&args.scene)?;
+    let settings = &tables.settings;
+    let named = settings.named();
+    let word = |name: &str| named.iter().find(|(found, _)| found == name).map_or("", |(_, value)| value);
+    let (sampler, learner) = (word("sampler"), word("learner"));
+    let ([low, high], places) = (tables.cells.grid.bounds(), tables.cells.grid.size);
+    let (cells, bins, groups) = (tables.cells.count(), settings.directions.pow(2), tables.group_powers.len());
+    let (learned, samples) = (tables.learned_share(), tables.samples.to_string());
+    if args.json {
+        let (low, high, places) = (low.to_array(), high.to_array(), places.to_array());
+        print_json(&json!({
+            "scene": scene.name, "hash": scene.hash, "sampler": sampler, "learner": learner, "samples": samples, "cells": cells,
+            "places": places, "bounds": [low, high], "bins": bins, "light_groups": groups, "learned_share": learned,
+        }))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut text = format!("guide of {} (hash without camera and film: {})\n", scene.name, scene.hash);
+    let _ = writeln!(text, "sampler: {sampler}, learner: {learner}");
+    let _ = writeln!(text, "samples that it has learned from, as seed:first..end: {samples}");
+    let _ = writeln!(text, "cells: {cells} of {} x {} x {} places, from {low} to {high}", places.x, places.y, places.z);
+    let _ = writeln!(text, "directions of each cell: {bins} bins; groups of lights: {groups}");
+    let _ = writeln!(text, "cells that have learned: {:.1} %", 100.0 * learned);
+    print_line(text.trim_end())?;
     Ok(ExitCode::SUCCESS)
 }
 

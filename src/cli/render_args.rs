@@ -83,6 +83,7 @@ impl<S: Subset> Given<S> {
             overwrite: self.has("overwrite"),
             write_every: self.value("write-every", seconds),
             reference: self.path("reference"),
+            guide: self.path("guide-out"),
             statistics: self.path("stats"),
             profile: self.path("profile"),
         }
@@ -112,7 +113,7 @@ impl<S: Subset> Given<S> {
         let options = with(options, self.word("traversal"), Options::traversal);
         let options = with(options, self.value("slice-ms", form::milliseconds), Options::slice_milliseconds);
         let options = with(options, self.path("kernel-dir"), Options::kernel_folder);
-        let options = with(options, self.path("guide-from"), Options::guide_from);
+        let options = with(options, self.path("guide"), Options::guide);
         let options = with(options, self.path("checkpoint"), Options::checkpoint);
         options.checkpoint_every(self.value("checkpoint-every", seconds).unwrap_or(CHECKPOINT_EVERY))
     }

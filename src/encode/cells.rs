@@ -71,6 +71,26 @@ impl Cells {
         finest.unwrap_or_else(|| of_longest(LONGEST_SIDES[0]))
     }
 
+    /// Cells of the places of a grid that [`Cells::occupancy`] has named.
+    pub fn of_occupancy(grid: Grid, bits: &[u8]) -> Self {
+        let is_occupied = |place: usize| bits.get(place / 8).is_some_and(|byte| byte >> (place % 8) & 1 == 1);
+        Self::of_places(grid, &(0..grid.place_count()).map(is_occupied).collect::<Vec<_>>())
+    }
+
+    /// Places that have a cell of their own, a bit each, in the order of [`Grid::index`]. The lowest bit of a byte is the first.
+    pub fn occupancy(&self) -> Vec<u8> {
+        let mut bits = vec![0; self.grid.place_count().div_ceil(8)];
+        for place in self.places.iter().map(|&place| self.grid.index(place)) {
+            bits[place / 8] |= 1 << (place % 8);
+        }
+        bits
+    }
+
+    /// Whether both have the same cells in the same places.
+    pub fn are_those_of(&self, other: &Self) -> bool {
+        self.grid == other.grid && self.table == other.table
+    }
+
     /// No cells, for renders that learn nothing.
     pub fn none(bvh: &Bvh) -> Self {
         let (table, media, places, levels, keys) = Default::default();
@@ -223,6 +243,18 @@ mod tests {
             assert!(children[0] < children[1] && children[1] - children[0] <= 8);
             assert!((children[0]..children[1]).all(|child| parents[child as usize] == parent));
         }
+    }
+
+    #[test]
+    fn occupied_places_name_the_cells() {
+        let (grid, _, cells) = some();
+        assert_eq!(Cells::of_occupancy(grid, &cells.occupancy()), cells);
+        assert!(cells.are_those_of(&Cells::of_occupancy(grid, &cells.occupancy())));
+        let mut bits = cells.occupancy();
+        bits[0] ^= 1;
+        assert!(!cells.are_those_of(&Cells::of_occupancy(grid, &bits)));
+        // Too few bits name no places.
+        assert_eq!(Cells::of_occupancy(grid, &[]).count(), 1);
     }
 
     #[test]

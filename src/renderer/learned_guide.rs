@@ -12,6 +12,7 @@ use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
 use crate::math::direction_map::bin_center;
 use crate::renderer::guide_cells::cells_of;
+use crate::renderer::guide_tables::GuideTables;
 use crate::renderer::persistent::Persistent;
 use crate::renderer::sets::radiance_grid::RadianceGrid;
 use crate::renderer::state::{RenderState, StatePart};
@@ -31,13 +32,15 @@ pub struct LearnedGuide {
 /// A guide as another render can begin with it.
 #[derive(Debug, Clone)]
 pub(crate) struct GuideState {
-    settings: Settings,
-    cells: Cells,
+    pub(super) settings: Settings,
+    pub(super) cells: Cells,
     /// Power of each group of lights over that of all lights.
-    group_powers: Vec<f32>,
-    parts: Vec<StatePart>,
+    pub(super) group_powers: Vec<f32>,
+    pub(super) parts: Vec<StatePart>,
     /// Samples that it was learned from.
-    samples: SampleRanges,
+    pub(super) samples: SampleRanges,
+    /// Whether it has only what was learned. An update without targets then makes the tables that samplers read.
+    pub(super) is_bare: bool,
 }
 
 impl LearnedGuide {
@@ -81,14 +84,18 @@ impl Renderer {
     /// # Errors
     /// Where the sampler learns no radiance, or the device is lost.
     pub fn learned_guide(&self) -> Result<LearnedGuide> {
+        Ok(LearnedGuide { state: self.guide_state()?, radiance: self.radiance()? })
+    }
+
+    /// Reads the guide back as another render can begin with it.
+    fn guide_state(&self) -> Result<GuideState> {
         check_learns_radiance(&self.settings)?;
         let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
         let parts = self.guide_parts().iter().map(read).collect::<Result<_>>()?;
         let samples = self.guide_samples.clone().union(SampleRanges::of_render(&self.settings, self.samples_done));
         let (settings, cells) = (self.settings.clone(), self.cells.clone());
         let group_powers = self.sets.radiance_grid.group_powers().to_vec();
-        let state = GuideState { settings, cells, group_powers, parts, samples };
-        Ok(LearnedGuide { state, radiance: self.radiance()? })
+        Ok(GuideState { settings, cells, group_powers, parts, samples, is_bare: false })
     }
 
     /// Cells of a guide of this scene that has learned with other settings: the size of a picture may decide how fine its cells are.
@@ -121,7 +128,25 @@ impl Renderer {
         let parts = self.guide_parts().iter().map(&mut take).collect::<Result<_>>()?;
         // Settings of the guide and the scene decide the groups of lights.
         let group_powers = self.sets.radiance_grid.group_powers().to_vec();
-        Ok(GuideState { settings, cells, group_powers, parts, samples })
+        Ok(GuideState { settings, cells, group_powers, parts, samples, is_bare: false })
+    }
+
+    /// The guide that a file holds.
+    ///
+    /// # Errors
+    /// Where settings of the guides differ, or this sampler learns no radiance.
+    pub(crate) fn guide_of_tables(&self, tables: GuideTables) -> Result<GuideState> {
+        check_same_guide(&tables.settings, &self.settings)?;
+        check_learns_radiance(&self.settings)?;
+        Ok(tables.into_state())
+    }
+
+    /// What the guide has learned, for a file.
+    ///
+    /// # Errors
+    /// Where the sampler learns no radiance, or the device is lost.
+    pub(crate) fn guide_tables(&self) -> Result<GuideTables> {
+        Ok(GuideTables::of_state(&self.guide_state()?))
     }
 
     /// Parts of a guide that was learned with these settings and in these cells: their names, and the most bytes of each.
@@ -136,30 +161,9 @@ impl Renderer {
         Ok(self.guide_parts().iter().map(|part| (part.name, most(part))).collect())
     }
 
-    /// Bytes that are copied from one part of a guide in these cells.
+    /// Bytes that are copied from one part of a guide of this scene in these cells.
     fn least_bytes(&self, part: &str, cells: &Cells) -> u64 {
-        let Settings { sampler, directions, .. } = self.settings;
-        let bins = directions.pow(2) as usize;
-        let normals = self.settings.normal_resolution().pow(2) as usize;
-        let per_cell = match part {
-            "radiance" => {
-                let shares = if self.settings.learns_share() { (SHARE_WORDS * SHARES_PER_CELL) as usize } else { 0 };
-                (bins + shares) * size_of::<f32>()
-            }
-            "learned radiance" => {
-                let lights = u64::from(cells.count()) * u64::from(self.light_groups());
-                let means = RadianceGrid::learned_bins(&self.settings, cells) + lights;
-                return means * size_of::<LearnedRadiance>() as u64;
-            }
-            "bin ends" if sampler == Sampler::SphereInversion => bins * size_of::<u32>(),
-            "radiance nodes" if sampler == Sampler::Product => {
-                (nodes_per_tree(directions) + group_nodes(self.light_groups())) as usize * size_of::<Node>()
-            }
-            "normalizers" => normals * size_of::<NormalizationEntry>(),
-            "marked normalizers" => return (u64::from(cells.count()) * normals as u64).div_ceil(8),
-            _ => 0,
-        };
-        u64::from(cells.count()) * per_cell as u64
+        least_bytes(&self.settings, part, cells, self.light_groups())
     }
 
     /// Samples of earlier renders that the guide has learned from.
@@ -200,7 +204,7 @@ impl Renderer {
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
             let length = part.len_bytes() as usize;
-            let mut bytes = match guide.cells == self.cells && self.has_lights_of(guide) {
+            let mut bytes = match guide.cells.are_those_of(&self.cells) && self.has_lights_of(guide) {
                 true => saved.bytes.clone(),
                 false => self.copied_part(part, &saved.bytes, guide, &sources)?,
             };
@@ -212,6 +216,9 @@ impl Renderer {
             // cells; the next update computes them from their children.
             bytes.resize(length, 0);
             part.write(&bytes)?;
+        }
+        if guide.is_bare {
+            self.learn()?;
         }
         self.guide_samples = guide.samples.clone();
         Ok(())
@@ -286,6 +293,32 @@ impl Renderer {
     }
 }
 
+/// Bytes that are copied from one part of a guide in these cells, which choose among `light_groups` groups of lights.
+pub(super) fn least_bytes(settings: &Settings, part: &str, cells: &Cells, light_groups: u32) -> u64 {
+    let Settings { sampler, directions, .. } = *settings;
+    let bins = directions.pow(2) as usize;
+    let normals = settings.normal_resolution().pow(2) as usize;
+    let per_cell = match part {
+        "radiance" => {
+            let shares = if settings.learns_share() { (SHARE_WORDS * SHARES_PER_CELL) as usize } else { 0 };
+            (bins + shares) * size_of::<f32>()
+        }
+        "learned radiance" => {
+            let lights = u64::from(cells.count()) * u64::from(light_groups);
+            let means = RadianceGrid::learned_bins(settings, cells) + lights;
+            return means * size_of::<LearnedRadiance>() as u64;
+        }
+        "bin ends" if sampler == Sampler::SphereInversion => bins * size_of::<u32>(),
+        "radiance nodes" if sampler == Sampler::Product => {
+            (nodes_per_tree(directions) + group_nodes(light_groups)) as usize * size_of::<Node>()
+        }
+        "normalizers" => normals * size_of::<NormalizationEntry>(),
+        "marked normalizers" => return (u64::from(cells.count()) * normals as u64).div_ceil(8),
+        _ => 0,
+    };
+    u64::from(cells.count()) * per_cell as u64
+}
+
 /// Blocks of `size` bytes, one for each source.
 fn copied(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
     sources.iter().flat_map(|source| &bytes[source * size..(source + 1) * size]).copied().collect()
@@ -304,7 +337,10 @@ fn copied_bits(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
 }
 
 /// Refuses samplers whose guide cannot begin another render.
-fn check_learns_radiance(settings: &Settings) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Settings`].
+pub(crate) fn check_learns_radiance(settings: &Settings) -> Result<()> {
     let refuse = |message: &str| Err(Error::Settings(message.into()));
     match settings.sampler {
         Sampler::Bsdf => refuse("--sampler bsdf learns nothing, so there is no guide"),
@@ -337,7 +373,7 @@ fn with_defaults(settings: Settings) -> Settings {
 
 /// First setting of the guide that differs: its name and both values. Settings of the film, the length and the samples do not
 /// belong to the guide.
-fn difference(theirs: &Settings, ours: &Settings) -> Option<(String, String, String)> {
+pub(super) fn difference(theirs: &Settings, ours: &Settings) -> Option<(String, String, String)> {
     let Settings { width, height, crop, filter, max_depth, rr_depth, hide_emitters, .. } = *ours;
     let Settings { seed, pattern, noise, sample_offset, spp_per_step, steps, sample_weights, .. } = *ours;
     let Settings { samples_per_dispatch, slice_milliseconds, execution, traversal, .. } = *ours;

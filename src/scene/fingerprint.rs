@@ -18,6 +18,23 @@ const CHUNK: usize = 1 << 14;
 /// # Errors
 /// [`Error::Render`] where a part of the scene cannot be serialized. No such part is known.
 pub fn fingerprint(scene: &Scene) -> Result<String> {
+    fingerprints(scene).map(|found| found.scene)
+}
+
+/// Fingerprints of a scene and of its world.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fingerprints {
+    /// Hash of the scene, as [`fingerprint`] has it.
+    pub scene: String,
+    /// Hash of all that scatters or emits light: the scene without camera, film and integrator. Scenes of one world teach guides the same.
+    pub world: String,
+}
+
+/// Both fingerprints of a scene.
+///
+/// # Errors
+/// Where [`fingerprint`] fails.
+pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
     // Every field is named, so that a new one cannot be forgotten.
     let Scene {
         name: _,
@@ -43,14 +60,14 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
     let primitives = (primitives.len(), hashes(primitives.par_chunks(CHUNK))?);
     let images = hashes(images.par_iter())?;
     let lights = (emitters, environment, delta_emitters);
-    let small = (camera, film, integrator, sample_count, materials, media, lights, textures);
-    let flat = hash(&(primitives, images, small))?;
-    if instances.is_empty() && camera_motion.is_none() {
-        return Ok(format!("{flat:032x}"));
-    }
+    let small = (camera, film, integrator, sample_count, materials, media, &lights, textures);
+    let flat = hash(&(&primitives, &images, small))?;
     let groups = groups.iter().map(|group| hashes(group.primitives.par_chunks(CHUNK))).collect::<Result<Vec<_>>>()?;
-    let instances = (instances.len(), hashes(instances.par_chunks(CHUNK))?);
-    Ok(format!("{:032x}", hash(&(flat, groups, instances, motions, camera_motion))?))
+    let shown = (instances.len(), hashes(instances.par_chunks(CHUNK))?);
+    let is_flat = instances.is_empty() && camera_motion.is_none();
+    let whole = if is_flat { flat } else { hash(&(flat, &groups, &shown, motions, camera_motion))? };
+    let world = hash(&(primitives, images, (materials, media, lights, textures), groups, shown, motions))?;
+    Ok(Fingerprints { scene: format!("{whole:032x}"), world: format!("{world:032x}") })
 }
 
 fn hashes<T: Serialize>(items: impl IndexedParallelIterator<Item = T>) -> Result<Vec<u128>> {
@@ -180,6 +197,38 @@ mod tests {
         for (at, (what, hash)) in hashes.iter().enumerate() {
             let same = hashes[..at].iter().find(|(_, other)| other == hash);
             assert!(same.is_none(), "{what}: {same:?}");
+        }
+    }
+
+    /// A guide learns the world, whoever looks at it.
+    #[test]
+    fn the_world_has_no_camera_and_no_film() {
+        let of = |change: Change| {
+            let mut scene = scene();
+            change(&mut scene);
+            fingerprints(&scene).expect("hashes")
+        };
+        let here = of(|_| {});
+        let of_camera: [Change; 5] = [
+            |s| s.camera.fov += 1.0e-4,
+            |s| s.camera.projection = Projection::Orthographic,
+            |s| s.film.filter = ReconstructionFilter::Tent { radius: 1.5 },
+            |s| s.integrator.max_depth = Some(77),
+            |s| s.sample_count = Some(77),
+        ];
+        for change in of_camera {
+            let there = of(change);
+            assert!(there.world == here.world && there.scene != here.scene);
+        }
+        let of_world: [Change; 4] = [
+            |s| s.primitives.swap(0, CHUNK + 6),
+            |s| s.emitters[0].radiance.value.x += 1.0e-4,
+            |s| drop(s.materials.pop()),
+            |s| with_instance(s, |_, _| ()),
+        ];
+        for change in of_world {
+            let there = of(change);
+            assert!(there.world != here.world && there.scene != here.scene);
         }
     }
 

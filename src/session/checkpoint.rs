@@ -1,41 +1,30 @@
 //! Checkpoint files: everything that is needed to go on with a render as if it had never stopped.
 //!
-//! Layout of the file; all numbers are little-endian:
-//!
-//! | bytes  | content                                                                                       |
-//! |--------|-----------------------------------------------------------------------------------------------|
-//! | 8      | [`MAGIC`]                                                                                     |
-//! | 8      | length of the header                                                                          |
-//! | 16     | XXH3-128 of the header                                                                        |
-//! | header | JSON: version, scene, settings, device, record, and length and hash of each part           |
-//! | rest   | the parts, one after the other                                                                |
-//!
-//! The file is written whole or not at all. Hashes detect every altered byte. A file of another version is refused, because
-//! another version may render other bits. `saved.rs` reads the file.
+//! The file has a header and parts (`sealed.rs`): the header names version, scene, settings, device and record, and the parts are the
+//! state. A file of another version is refused, because another version may render other bits. `saved.rs` reads the file.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use xxhash_rust::xxh3::xxh3_128;
 
 use crate::Result;
-use crate::files::write_whole;
 use crate::film::ranges::SampleRanges;
-use crate::renderer::{RenderState, StatePart};
+use crate::renderer::RenderState;
 use crate::scene::LoadOptions;
 use crate::session::files::PictureFiles;
 use crate::session::history::History;
 use crate::session::length::Length;
+use crate::session::sealed::{Kind, PartEntry, VERSION};
 use crate::settings::Settings;
 
-/// First bytes of a checkpoint. They contain line breaks, which a transfer as text would change.
-pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
-/// Number of bytes before the header: its magic, length and hash.
-pub(super) const PREFIX_BYTES: u64 = 32;
-/// Version of this program, which checkpoints name.
-pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// Files of checkpoints.
+pub(super) const CHECKPOINT: Kind = Kind {
+    magic: *b"LDSTR\r\n\x1a",
+    refusal: "it is no checkpoint; give one that lodestar has written",
+    of_other_version: "may render other bits; resume it with version {version}",
+    of_other_build: "go on with that build",
+    of_damage: "go on from another copy",
+};
 
 /// State of a render that can be resumed.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,6 +67,8 @@ pub struct SceneSource {
     pub options: LoadOptions,
     /// Fingerprint of the scene, from [`crate::scene::fingerprint()`].
     pub hash: String,
+    /// Fingerprint of the scene without its camera and film, from [`crate::scene::fingerprint::fingerprints()`].
+    pub world_hash: String,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -92,39 +83,16 @@ pub(super) struct Header {
     pub parts: Vec<PartEntry>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PartEntry {
-    pub name: String,
-    pub bytes: u64,
-    /// XXH3-128 of the part's bytes, in hexadecimal.
-    pub hash: String,
-}
-
 impl Checkpoint {
     /// Writes the file whole or not at all.
     ///
     /// # Errors
     /// [`Error::Write`]. An older file then stays as it was.
     pub fn write(&self, path: &Path) -> Result<()> {
-        write_whole(path, |writer| self.write_to(writer))
-    }
-
-    fn write_to(&self, writer: &mut BufWriter<File>) -> io::Result<()> {
-        let header = serde_json::to_vec(&self.header())?;
-        writer.write_all(&MAGIC)?;
-        writer.write_all(&(header.len() as u64).to_le_bytes())?;
-        writer.write_all(&xxh3_128(&header).to_le_bytes())?;
-        writer.write_all(&header)?;
-        self.state.parts.iter().try_for_each(|part| writer.write_all(&part.bytes))
+        CHECKPOINT.write(path, &self.header(), &self.state.parts)
     }
 
     fn header(&self) -> Header {
-        let entry = |part: &StatePart| PartEntry {
-            name: part.name.clone(),
-            bytes: part.bytes.len() as u64,
-            hash: hash_text(xxh3_128(&part.bytes)),
-        };
         Header {
             version: VERSION.into(),
             scene: self.scene.clone(),
@@ -132,23 +100,22 @@ impl Checkpoint {
             device: self.device.clone(),
             record: self.record.clone(),
             samples_done: self.state.samples_done,
-            parts: self.state.parts.iter().map(entry).collect(),
+            parts: self.state.parts.iter().map(PartEntry::from).collect(),
         }
     }
-}
-
-/// A hash as the header has it.
-pub(super) fn hash_text(hash: u128) -> String {
-    format!("{hash:032x}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
+    use std::fs::{self, File};
+
+    use xxhash_rust::xxh3::xxh3_128;
 
     use crate::Error;
+    use crate::renderer::StatePart;
     use crate::scene::load;
+    use crate::session::sealed::PREFIX_BYTES;
 
     fn example() -> Checkpoint {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
@@ -160,7 +127,7 @@ mod tests {
         let length = Length { spp: None, seconds: Some(1.0 / 3.0) };
         let history = History { seconds: 5e-324, paths: u64::MAX, ..History::default() };
         Checkpoint {
-            scene: SceneSource { path: "/scenes/küche.xml".into(), options, hash: "00ff".into() },
+            scene: SceneSource { path: "/scenes/küche.xml".into(), options, hash: "00ff".into(), world_hash: "00fe".into() },
             settings,
             device: "a device".into(),
             record: Record {
@@ -222,7 +189,7 @@ mod tests {
 
     /// Bytes of a checkpoint with this header and these parts, whose hashes are right.
     fn with_header(header: &[u8], parts: &[u8]) -> Vec<u8> {
-        let mut bytes = MAGIC.to_vec();
+        let mut bytes = CHECKPOINT.magic.to_vec();
         bytes.extend((header.len() as u64).to_le_bytes());
         bytes.extend(xxh3_128(header).to_le_bytes());
         bytes.extend(header);
@@ -300,7 +267,7 @@ mod tests {
             File::options().write(true).open(&path).unwrap().set_len(huge).unwrap();
         };
         // A header of a terabyte is not read into memory; its first byte that is no JSON ends it.
-        let mut prefix = MAGIC.to_vec();
+        let mut prefix = CHECKPOINT.magic.to_vec();
         prefix.extend((huge - PREFIX_BYTES).to_le_bytes());
         sparse(&prefix);
         let mut header = example().header();

@@ -87,7 +87,7 @@ impl Session {
     #[doc(hidden)]
     pub fn serve(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<()> {
         let mut options = options.clone();
-        (options.files, options.checkpoint, options.guide_from) = (None, None, None);
+        (options.files, options.checkpoint, options.guide) = (None, None, None);
         ranks::join(&options, Prepared::new(start, &options, watch))?.serve()
     }
 }
@@ -246,6 +246,14 @@ impl Session {
     /// Where the sampler learns no radiance, or the device is lost.
     pub fn learned_guide(&self) -> Result<LearnedGuide> {
         self.running.renderer().learned_guide()
+    }
+
+    /// Writes the guide as it has been learned so far into `file`, with which another render can begin ([`Options::guide`]).
+    ///
+    /// # Errors
+    /// Where the sampler learns no radiance, nothing was learned yet, the device is lost, or the file cannot be written.
+    pub fn write_guide(&self, file: impl AsRef<Path>) -> Result<()> {
+        self.running.write_guide(file.as_ref())
     }
 
     /// Begins with a guide that another render has learned, of this scene or of one that differs little. Each cell takes what the

@@ -31,6 +31,8 @@ pub struct OutputFiles {
     pub write_every: Option<f64>,
     /// Picture that errors are measured against.
     pub reference: Option<PathBuf>,
+    /// File for the guide, with which other renders can begin.
+    pub guide: Option<PathBuf>,
     /// File for the statistics, as JSON.
     pub statistics: Option<PathBuf>,
     /// File for a trace of all dispatches, as JSON.
@@ -45,7 +47,7 @@ impl OutputFiles {
 
     /// Fails where a file that is named here cannot be written.
     pub(super) fn check_writable(&self) -> Result<()> {
-        let all = self.pictures.iter().chain(&self.statistics).chain(&self.profile);
+        let all = self.pictures.iter().chain(&self.guide).chain(&self.statistics).chain(&self.profile);
         all.into_iter().try_for_each(|path| files::check_writable(path))
     }
 }

@@ -57,9 +57,10 @@ fn write_files(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -
         written.and(measured)
     });
     let kept = running.keep_last(is_lost);
+    let guided = write_guide(running, is_lost, watch);
     let statistics = running.output().statistics.as_ref();
     let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &running.statistics_with(errors)));
-    (rescued, rendered.and(written).and(kept).and(statistics))
+    (rescued, rendered.and(written).and(kept).and(guided).and(statistics))
 }
 
 /// The picture to write, and the result of the render: the device's picture, or the safety copy if the device is lost.
@@ -110,6 +111,16 @@ fn write_last(running: &Running, picture: &Picture, is_rendered: bool, watch: &W
         false if is_rendered => return Err(Error::Render(format!("{message}: give it more --time"))),
         false => {}
     }
+    Ok(())
+}
+
+/// Writes the guide if the caller wants it. A lost device has taken it along, and a render without samples has none.
+fn write_guide(running: &Running, is_lost: bool, watch: &Watch<'_>) -> Result<()> {
+    let Some(path) = running.output().guide.as_ref().filter(|_| !is_lost && running.samples_done() > 0) else {
+        return Ok(());
+    };
+    running.write_guide(path)?;
+    watch.tell(Event::Written(path));
     Ok(())
 }
 

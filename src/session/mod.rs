@@ -14,10 +14,10 @@
 //! | other ranks of the render | `ranks.rs` |
 //! | the steps, and when they end | `running/`, `origin.rs` |
 //! | pictures, and all files at the end | `output.rs`, `files.rs`, `finished.rs` |
-//! | checkpoints | `checkpoint.rs` (the file), `saved.rs` (its reader), `checkpoints.rs` (when it is written), `checkpoint_lock.rs` (by whom), `film/identity.rs` (which render it belongs to) |
+//! | checkpoints | `checkpoint.rs` (the file), `sealed.rs` (its layout), `saved.rs` (its reader), `checkpoints.rs` (when it is written), `checkpoint_lock.rs` (by whom), `film/identity.rs` (which render it belongs to) |
 //! | copies of the picture in case the device is lost | `safety_copy.rs` |
 //! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
-//! | guides of earlier renders | `guide_file.rs` |
+//! | guides of earlier renders | `guide_file.rs` (which file), `saved_guide.rs` (a guide alone) |
 //! | events for a caller | `progress.rs` |
 
 #[doc(hidden)]
@@ -47,6 +47,9 @@ mod running;
 mod safety_copy;
 #[doc(hidden)]
 pub mod saved;
+#[doc(hidden)]
+pub mod saved_guide;
+mod sealed;
 mod start;
 #[doc(hidden)]
 pub mod statistics;

@@ -70,7 +70,7 @@ pub struct Options {
     pub(super) files: Option<OutputFiles>,
     pub(super) checkpoint: Option<PathBuf>,
     pub(super) checkpoint_every: f64,
-    pub(super) guide_from: Option<PathBuf>,
+    pub(super) guide: Option<PathBuf>,
     /// Whether tiles are dealt out to devices by their measured speed.
     pub(super) deals_by_speed: bool,
     /// Connection to the other ranks of the render, where it has several.
@@ -96,7 +96,7 @@ impl Default for Options {
             files: None,
             checkpoint: None,
             checkpoint_every: CHECKPOINT_EVERY,
-            guide_from: None,
+            guide: None,
             deals_by_speed: false,
             exchange: None,
         }
@@ -260,11 +260,11 @@ impl Options {
         Self { checkpoint_every: seconds, ..self }
     }
 
-    /// Begins with the guide of another render of the same scene, from its checkpoint. The guide learns on. The picture stays unbiased,
+    /// Begins with the guide of another render, from its file or from its checkpoint. The guide learns on. The picture stays unbiased,
     /// because the guide must not have learned from samples that this render may take.
     #[must_use]
-    pub fn guide_from(self, checkpoint: impl AsRef<Path>) -> Self {
-        Self { guide_from: Some(checkpoint.as_ref().to_path_buf()), ..self }
+    pub fn guide(self, file: impl AsRef<Path>) -> Self {
+        Self { guide: Some(file.as_ref().to_path_buf()), ..self }
     }
 
     /// Renders together with other ranks. The first one uses the session, the others call

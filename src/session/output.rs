@@ -11,9 +11,10 @@ use crate::session::files::{OutputFiles, PictureFiles};
 use crate::session::progress::{Event, Watch};
 use crate::session::safety_copy::SafetyCopy;
 
-/// Files of the picture and of its statistics, and the time of the last writing.
+/// Files of the picture, of the guide and of the statistics, and the time of the last writing.
 pub(super) struct Output {
     pub pictures: PictureFiles,
+    pub guide: Option<PathBuf>,
     pub statistics: Option<PathBuf>,
     pub safety_copy: SafetyCopy,
     /// The picture that errors are measured against.
@@ -41,6 +42,7 @@ impl Output {
             pictures,
             reference,
             write_every: wanted.write_every,
+            guide: wanted.guide.clone(),
             statistics: wanted.statistics.clone(),
             denoiser,
             safety_copy: SafetyCopy::new(intervals),

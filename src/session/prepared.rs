@@ -17,7 +17,9 @@ use crate::fleet::Fleet;
 use crate::fleet::team::Team;
 use crate::gpu::Context;
 use crate::renderer::Renderer;
-use crate::scene::{self, Scene};
+use crate::renderer::learned_guide::check_learns_radiance;
+use crate::scene::Scene;
+use crate::scene::fingerprint::{Fingerprints, fingerprints};
 use crate::session::checkpoints::CheckpointFile;
 use crate::session::devices::device_name;
 use crate::session::files::OutputFiles;
@@ -72,9 +74,12 @@ impl Prepared {
         let (opened, loaded) = open_and_load(&input, options, watch);
         let (scene, load_seconds) = loaded?;
         warn_once(&scene.warnings, watch);
-        let scene_hash = scene::fingerprint(&scene)?;
-        guide.iter().try_for_each(|guide| guide.check_scene(&scene_hash))?;
+        let Fingerprints { scene: scene_hash, world: world_hash } = fingerprints(&scene)?;
+        guide.iter().try_for_each(|guide| guide.check_scene(&world_hash))?;
         let plan = Plan::new(&scene, &scene_hash, resumed, guide.as_ref(), options, watch)?;
+        if options.files.as_ref().is_some_and(|files| files.guide.is_some()) {
+            check_learns_radiance(&plan.settings)?;
+        }
         // A render that goes on has its guide already.
         let guide = guide.filter(|_| plan.earlier.is_none());
         let scene_path = input.absolute_path().unwrap_or_else(|| PathBuf::from(&scene.name));
@@ -101,7 +106,7 @@ impl Prepared {
         Ok(Self {
             output: Output::new(&wanted, pictures, reference, denoiser, checkpoint_every),
             profiler: wanted.profile.map(|path| Profiler::start(path, &context)),
-            subject: Subject { scene_name, scene_path, scene_hash, source, kernels, times },
+            subject: Subject { scene_name, scene_path, scene_hash, world_hash, source, kernels, times },
             devices: contexts.iter().map(|context| device_name(context)).collect(),
             guide: guide.zip(guide_cells),
             deals_by_speed: options.deals_by_speed,
@@ -144,10 +149,11 @@ impl Prepared {
             let weights = fleet.deal_by_speed()?;
             watch.tell(Event::Note(&dealt(&devices, &weights)));
         }
+        let world_hash = subject.world_hash.clone();
         let mut running = Running::new(context, fleet, settings, length, subject, output, profiler);
         let samples_written = self.earlier.map(|earlier| running.go_on_from(earlier, watch)).transpose()?;
         if let Some((guide, cells)) = self.guide {
-            guide.begin(cells, &mut running)?;
+            guide.begin(cells, &world_hash, &mut running, watch)?;
         }
         if let Some(file) = self.checkpoint {
             running.keep_checkpoints(file, samples_written)?;

@@ -14,6 +14,8 @@ pub(super) struct Subject {
     pub scene_name: String,
     pub scene_path: PathBuf,
     pub scene_hash: String,
+    /// Fingerprint of the scene without its camera and film.
+    pub world_hash: String,
     /// File of the scene, with the choices with which it is read; `None` for a scene made in memory.
     pub source: Option<(PathBuf, LoadOptions)>,
     /// Files that stand in for built-in kernels, with their hashes.
@@ -46,7 +48,7 @@ impl Subject {
         if let Some(EnvironmentChoice::File(path)) = &mut options.environment {
             *path = absolute_path(path)?.into();
         }
-        Ok(SceneSource { path: absolute_path(path)?, options, hash: self.scene_hash.clone() })
+        Ok(SceneSource { path: absolute_path(path)?, options, hash: self.scene_hash.clone(), world_hash: self.world_hash.clone() })
     }
 
     /// Refuses to go on with other kernels than before, because the bits would differ.

@@ -138,7 +138,7 @@ fn forged_states_do_no_harm() {
                 "8",
                 "--seed",
                 "9",
-                "--guide-from",
+                "--guide",
                 "a.ckpt",
                 "-o",
                 "b.exr",
@@ -190,7 +190,7 @@ fn parts_that_do_not_fit_are_refused() {
             let said = String::from_utf8_lossy(&output.stderr);
             assert!(said.contains("its state has ") || said.contains("bytes per pixel"), "{said}");
             assert_sentence(&output, 1, &["a.ckpt: "]);
-            let guide = ["render", "scene.xml", "--quiet", "--seed", "9", "--guide-from", "own/a.ckpt", "-o", "b.exr"];
+            let guide = ["render", "scene.xml", "--quiet", "--seed", "9", "--guide", "own/a.ckpt", "-o", "b.exr"];
             // Another size has other cells, which take what the nearest cells have.
             let sizes: [&[&str]; 2] = [&[], &["--width", "400", "--height", "300", "--spp", "1"]];
             for &size in tier::some_of(&sizes, 1) {

@@ -9,7 +9,7 @@ mod faults;
 mod files;
 mod forged;
 mod full_disk;
-mod guide_from;
+mod guides;
 mod headers;
 mod help;
 mod info;

@@ -206,7 +206,7 @@ fn a_checkpoint_is_not_written_over_by_another_render() {
     assert_sentence(&moved, 1, &["a.ckpt: ", "another render", "sample_offset (null there, 64 here)"]);
     assert_sentence(&again(&["--spp", "8"]), 1, &["a.ckpt: ", "16 samples", "--spp asks for less"]);
     let guided = |more: &[&str]| {
-        let guide = ["--spp", "16", "--seed", "3", "--guide-from", "a.ckpt", "--checkpoint", "b.ckpt", "-o", "b.exr"];
+        let guide = ["--spp", "16", "--seed", "3", "--guide", "a.ckpt", "--checkpoint", "b.ckpt", "-o", "b.exr"];
         folder.run(&[&["render", "scene.xml", "--quiet"], &guide[..], more].concat())
     };
     assert_quiet_success(&guided(&[]));

@@ -25,7 +25,7 @@ fn run(folder: &Folder, arguments: &[&str]) -> Output {
 }
 
 /// Arguments with which the program reads the file `FILE`, for each way in which a user names one.
-const WAYS: [&[&str]; 13] = [
+const WAYS: [&[&str]; 15] = [
     &["info", "FILE"],
     &["render", "FILE"],
     &["convert", "FILE", "out.xml"],
@@ -37,7 +37,9 @@ const WAYS: [&[&str]; 13] = [
     &["resume", "FILE"],
     &["render", "scene.xml", "--environment", "FILE"],
     &["render", "scene.xml", "--reference", "FILE.exr"],
-    &["render", "scene.xml", "--guide-from", "FILE"],
+    &["render", "scene.xml", "--guide", "FILE"],
+    &["info", "FILE.guide"],
+    &["merge", "FILE.guide", "FILE.guide", "-o", "out.guide"],
     &["info", "scene.xml", "--environment", "FILE"],
 ];
 
@@ -50,7 +52,7 @@ fn only_regular_files_are_read() {
         [("/dev/zero", "it is a device, not a regular file"), ("pipe", "it is a pipe, not a regular file")]
     {
         let file = folder.path(file);
-        for link in ["FILE", "FILE.exr", "FILE.gltf", "FILE.pbrt"] {
+        for link in ["FILE", "FILE.exr", "FILE.gltf", "FILE.pbrt", "FILE.guide"] {
             let _ = std::fs::remove_file(folder.path(link));
             std::os::unix::fs::symlink(&file, folder.path(link)).unwrap();
         }

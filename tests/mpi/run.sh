@@ -114,7 +114,7 @@ echo "one rank under mpirun, and two ranks of two devices: the same"
 
 # A guide that another render has learned reaches all ranks.
 "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 16 --seed 1 --checkpoint "$work/guide.ckpt" -o "$work/guide.exr"
-[ "$(render 3 --spp 12 --guide-from "$work/guide.ckpt")" = "$(render 1 --spp 12 --guide-from "$work/guide.ckpt")" ] ||
+[ "$(render 3 --spp 12 --guide "$work/guide.ckpt")" = "$(render 1 --spp 12 --guide "$work/guide.ckpt")" ] ||
   fail "three ranks that begin with a guide differ from one"
 echo "three ranks that begin with a guide of another render: the same"
 

@@ -28,7 +28,7 @@ fn checkpoint_file() -> Vec<u8> {
     let history = History { seconds: 0.5, paths: 8, ..History::default() };
     let options = LoadOptions { defines: vec![("a".into(), "1".into())], ..LoadOptions::default() };
     let checkpoint = Checkpoint {
-        scene: SceneSource { path: "/a.xml".into(), options, hash: "00ff".into() },
+        scene: SceneSource { path: "/a.xml".into(), options, hash: "00ff".into(), world_hash: "00fe".into() },
         settings: Settings { width: 1, height: 1, ..Settings::for_scene(&scene) },
         device: "a device".into(),
         record: Record {

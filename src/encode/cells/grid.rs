@@ -24,6 +24,11 @@ impl Grid {
         Self { origin: bvh.bounds.0, per_unit: size.as_vec3() / extent(bvh), size }
     }
 
+    /// Lower and upper corner of the box.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        [self.origin, self.origin + self.size.as_vec3() / self.per_unit]
+    }
+
     /// Coordinates of a point, in places from the lower corner.
     pub(super) fn coordinates(&self, position: Vec3) -> Vec3 {
         (position - self.origin) * self.per_unit
@@ -45,7 +50,7 @@ impl Grid {
         ((place.z * self.size.y + place.y) * self.size.x + place.x) as usize
     }
 
-    pub(super) fn place_count(&self) -> usize {
+    pub(crate) fn place_count(&self) -> usize {
         self.size.element_product() as usize
     }
 

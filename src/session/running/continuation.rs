@@ -12,6 +12,8 @@ use crate::session::history::History;
 use crate::session::plan::Earlier;
 use crate::session::progress::Watch;
 use crate::session::running::Running;
+use crate::session::saved_guide::{GuideScene, SavedGuide};
+use crate::session::subject::Subject;
 use crate::{Error, Result};
 
 impl Running {
@@ -60,6 +62,17 @@ impl Running {
         let mut checkpoint = self.template()?;
         (checkpoint.record.history, checkpoint.state) = (self.history.clone(), self.fleet.state()?);
         checkpoint.write(file)
+    }
+
+    /// Writes what the guide has learned so far.
+    pub fn write_guide(&self, file: &Path) -> Result<()> {
+        let tables = self.renderer().guide_tables()?;
+        if tables.samples.first().is_none() {
+            return Err(Error::checkpoint(file, "the guide has learned nothing yet, so it is not written; take samples first"));
+        }
+        let Subject { scene_name, world_hash, .. } = &self.subject;
+        let scene = GuideScene { name: scene_name.clone(), hash: world_hash.clone() };
+        SavedGuide { scene, tables }.write(file)
     }
 
     /// A checkpoint of this render with nothing rendered yet.

@@ -45,6 +45,8 @@ impl Form {
     pub const TIME: Self = Self::Text { check: |text| seconds(text).map(drop), python: "float | str" };
     /// Path of a picture.
     pub const PICTURE: Self = Self::Text { check: |text| output_path(text).map(drop), python: "_Path" };
+    /// Path of a guide.
+    pub const GUIDE: Self = Self::Text { check: |text| guide_path(text).map(drop), python: "_Path" };
     /// Longest path.
     pub const DEPTH: Self = Self::Text { check: |text| depth(text).map(drop), python: "int" };
     /// Window of the film.
@@ -147,6 +149,25 @@ pub fn output_path(text: &str) -> Result<PathBuf, String> {
 pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     files::has_extension(&path, "exr").then_some(path).ok_or_else(|| "the name must end in .exr".into())
+}
+
+/// Path of a guide to write.
+///
+/// # Errors
+/// The extension that it has.
+pub fn guide_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    files::has_extension(&path, "guide").then_some(path).ok_or_else(|| "the name must end in .guide".into())
+}
+
+/// Path of what is merged: a picture with all layers, or a guide.
+///
+/// # Errors
+/// The extensions that it may have.
+pub fn merged_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_merged = files::has_extension(&path, "exr") || files::has_extension(&path, "guide");
+    is_merged.then_some(path).ok_or_else(|| "the name must end in .exr or .guide".into())
 }
 
 /// Address at which a page is served: an address with a port, or one of them. Without a port, the page has a free one. Without an address,

@@ -22,6 +22,7 @@ const OTHER_NAMES: &[OtherNames] = &[
         "the noise at which the render ends",
     ),
     other(&["time-limit", "max-time", "timeout", "seconds"], "time", "the time after which the render ends"),
+    other(&["guide-from"], "guide", "the guide that the render begins with"),
     other(&["out", "outfile", "output-file", "filename"], "output", "the picture's file"),
     other(&["denoiser", "oidn-denoise"], "denoise", "that the picture is denoised"),
     other(&["gpu", "gpus", "cpu", "backend", "variant"], "device", "the device; `lodestar devices` lists them"),

@@ -301,11 +301,20 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..of_files(Everyone, "checkpoint-every", "TIME")
     },
     OptionEntry {
-        short: "Begin with the guide of this checkpoint of another render",
-        long: "The guide learns on. The other render must have the same scene and camera, the same settings of the guide, and another --seed \
-               or samples before --sample-offset only. Size and length may differ.",
+        short: "Begin with a guide that another render has learned",
+        long: "FILE comes from --guide-out, or is a checkpoint. The guide learns on. Camera, size and length may differ. The other render must \
+               have the same settings of the guide, and another --seed or samples before --sample-offset only. A file of --guide-out may be of \
+               another scene, about which Lodestar warns.",
         form: Form::Path,
-        ..further(Output, "guide-from", "CHECKPOINT")
+        keyword: Keyword::Nowhere,
+        ..further(Output, "guide", "FILE")
+    },
+    OptionEntry {
+        short: "Write what the guide has learned when the render ends",
+        long: "The name must end in .guide. Other renders begin with it (--guide). `lodestar info` tells what it knows, and `lodestar merge` \
+               merges guides.",
+        form: Form::GUIDE,
+        ..of_files(Curious, "guide-out", "FILE.guide")
     },
     OptionEntry {
         short: "Form of the messages on standard error",
