@@ -9,11 +9,10 @@ use lodestar::{Error, Result};
 
 use super::console::Console;
 use super::print::print_message;
-use super::ranks;
-use super::render::{RenderArgs, options, render};
+use super::render::{RenderArgs, check_several, options, render};
 
 /// Value of `--camera` that asks for all of them.
-const ALL: &str = "all";
+pub const ALL: &str = "all";
 /// Options that belong to one picture.
 const OF_ONE_PICTURE: [&str; 8] =
     ["checkpoint", "guide", "guide-out", "stats", "profile", "reference", "view", "display-server"];
@@ -26,16 +25,7 @@ pub fn are_all_wanted(args: &RenderArgs) -> bool {
 /// Renders a scene with each of its cameras, in turn. A render that fails or is stopped ends all.
 pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
     let RenderArgs { scene: path, given } = args;
-    if let Some(option) = OF_ONE_PICTURE.iter().find(|option| given.has(option)) {
-        return Err(Error::Settings(format!(
-            "--camera all makes several pictures, and --{option} is for one: leave it out, or name a camera"
-        )));
-    }
-    if ranks::are_several() {
-        let message =
-            "--camera all renders one picture after another, which several processes cannot do together; name a camera";
-        return Err(Error::Settings(message.into()));
-    }
+    check_several(&given, "--camera all", &OF_ONE_PICTURE, "name a camera")?;
     let (choices, files, is_quiet) = (given.load(), given.files(), given.has("quiet"));
     let scene = load(&scene_file(&path)?, &LoadOptions { camera: None, ..choices.clone() })?;
     let names = names(&scene.cameras);

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use lodestar::{Result, files};
 use lodestar::film::noise::NoiseReport;
 use lodestar::session::{Ending, Event, Progress};
+use lodestar::{Result, files};
 
 use super::given::{Given, Subset};
 use super::log::Log;

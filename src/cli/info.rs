@@ -52,7 +52,11 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
 
 /// Reads the guide and prints what it knows.
 fn run_of_guide(args: &InfoArgs) -> Result<ExitCode> {
-    let given = [("-D", !args.define.is_empty()), ("--camera", args.camera.is_some()), ("--environment", args.environment.is_some())];
+    let given = [
+        ("-D", !args.define.is_empty()),
+        ("--camera", args.camera.is_some()),
+        ("--environment", args.environment.is_some()),
+    ];
     if let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) {
         let message = format!("{}: a guide is read as it is; leave {option} out", args.scene.display());
         return Err(Error::Settings(message));

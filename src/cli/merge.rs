@@ -30,7 +30,11 @@ pub struct MergeArgs {
 pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let MergeArgs { parts, output } = args;
     files::check_writable(output)?;
-    if files::has_extension(output, "guide") { merge_guides(parts, output)? } else { merge_pictures(parts, output)? }
+    if files::has_extension(output, "guide") {
+        merge_guides(parts, output)?
+    } else {
+        merge_pictures(parts, output)?
+    }
     print_message(&format!("wrote {}", output.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -10,6 +10,7 @@ mod console;
 mod convert;
 mod denoise;
 mod devices;
+mod frames;
 mod given;
 mod info;
 mod inspect;
@@ -86,6 +87,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     take_file_size_limits_as_errors();
     let outcome = match cli.command {
+        Command::Render(args) if args.given.has("frames") => frames::render_all(*args),
         Command::Render(args) if cameras::are_all_wanted(&args) => cameras::render_all(*args),
         Command::Render(args) => render::run(*args),
         Command::Resume(args) => resume::run(*args),

@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
-use lodestar::Result;
+use lodestar::gpu::Context;
+use lodestar::renderer::learned_guide::LearnedGuide;
 use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
 use lodestar::view::{ViewOptions, Viewers};
+use lodestar::{Error, Result};
 
 use super::console::Console;
 use super::given::{Given, OfRender};
@@ -42,14 +45,48 @@ pub fn options(given: Given<OfRender>) -> Options {
     given.choose(options)
 }
 
+/// Refuses options of one picture, `of_one`, and several processes, where the option `asked` makes several pictures.
+pub fn check_several(given: &Given<OfRender>, asked: &str, of_one: &[&str], remedy: &str) -> Result<()> {
+    if let Some(option) = of_one.iter().find(|option| given.has(option)) {
+        let message = format!("{asked} makes several pictures, and --{option} is for one: leave it out, or {remedy}");
+        return Err(Error::Settings(message));
+    }
+    if ranks::are_several() {
+        let message =
+            format!("{asked} renders one picture after another, which several processes cannot do together; {remedy}");
+        return Err(Error::Settings(message));
+    }
+    Ok(())
+}
+
+/// What one render leaves to the next one.
+#[derive(Default)]
+pub struct Kept {
+    /// What the guide has learned. The next render begins with it.
+    pub guide: Option<LearnedGuide>,
+    /// The device, which stays open.
+    pub context: Option<Arc<Context>>,
+}
+
 /// Renders from the beginning or from a checkpoint, and shows the progress and the end.
 pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
+    render_on(start, options, console, viewers, None)
+}
+
+/// Renders as [`render`] does, with what an earlier render has left in `kept`.
+pub fn render_on(
+    start: Start<'_>,
+    options: &Options,
+    console: &Console,
+    viewers: &ViewOptions,
+    kept: Option<&mut Kept>,
+) -> Result<ExitCode> {
     let exchange = ranks::exchange()?;
     let options = &with(options.clone(), exchange.clone(), Options::exchange);
     if exchange.is_some_and(|exchange| exchange.rank() > 0) {
         return serve(start, options);
     }
-    let rendered = render_watched(start, options, console, viewers);
+    let rendered = render_watched(start, options, console, viewers, kept);
     let is_told = console.tell_end(&rendered);
     if is_told && rendered.is_err() { Ok(ExitCode::FAILURE) } else { rendered }
 }
@@ -62,7 +99,13 @@ fn serve(start: Start<'_>, options: &Options) -> Result<ExitCode> {
     Ok(if served.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
+fn render_watched(
+    start: Start<'_>,
+    options: &Options,
+    console: &Console,
+    viewers: &ViewOptions,
+    kept: Option<&mut Kept>,
+) -> Result<ExitCode> {
     let interrupt = Interrupt::catch(console.is_talking())?;
     let viewers = Viewers::start(viewers)?;
     viewers.url().iter().for_each(|url| console.tell_address(url));
@@ -72,9 +115,15 @@ fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewer
     };
     let watch = Watch { stop: &|| interrupt.is_raised() || viewers.is_stopped(), events: &show };
     let mut session = Session::start(start, options, &watch)?;
+    if let Some(guide) = kept.as_ref().and_then(|kept| kept.guide.as_ref()) {
+        session.begin_with_guide(guide)?;
+    }
     let finished = session.run_watched(&watch, |session| viewers.after_step(session, &watch));
     viewers.finish(&session, &watch);
     let printed = session.profile().map_or(Ok(()), |profile| print_line(profile.table().trim_end()));
     finished.and(printed)?;
+    if let Some(kept) = kept {
+        *kept = Kept { guide: session.learned_guide().ok(), context: Some(Arc::clone(session.context())) };
+    }
     Ok(interrupt.exit_code())
 }

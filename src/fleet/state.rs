@@ -5,7 +5,8 @@ use crate::film::ranges::SampleRanges;
 use crate::fleet::Fleet;
 use crate::fleet::command::{Command, lead};
 use crate::renderer::RenderState;
-use crate::renderer::learned_guide::{GuideState, LearnedGuide};
+use crate::renderer::guide_state::GuideState;
+use crate::renderer::learned_guide::LearnedGuide;
 
 impl Fleet {
     /// Reads back what complete steps have left, as one device would have it.

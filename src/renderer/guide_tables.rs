@@ -4,7 +4,7 @@ use crate::encode::cells::Cells;
 use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::LearnedRadiance;
-use crate::renderer::learned_guide::{GuideState, difference, least_bytes};
+use crate::renderer::guide_state::{GuideState, difference, least_bytes};
 use crate::renderer::sets::radiance_grid::RadianceGrid;
 use crate::renderer::state::StatePart;
 use crate::settings::Settings;

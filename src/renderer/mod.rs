@@ -13,10 +13,11 @@
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
 //! | state that a later render goes on from | `state.rs`, `restore.rs` |
-//! | guides that later renders begin with | `learned_guide.rs`, `guide_tables.rs` (for files) |
+//! | guides that later renders begin with | `guide_state.rs`, `learned_guide.rs`, `guide_tables.rs` (for files) |
 
 mod film_store;
 mod guide_cells;
+pub(crate) mod guide_state;
 pub mod guide_tables;
 mod learn;
 pub mod learned_guide;

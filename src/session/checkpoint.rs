@@ -17,9 +17,12 @@ use crate::session::length::Length;
 use crate::session::sealed::{Kind, PartEntry, VERSION};
 use crate::settings::Settings;
 
+/// First bytes of a checkpoint.
+pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
+
 /// Files of checkpoints.
 pub(super) const CHECKPOINT: Kind = Kind {
-    magic: *b"LDSTR\r\n\x1a",
+    magic: MAGIC,
     refusal: "it is no checkpoint; give one that lodestar has written",
     of_other_version: "may render other bits; resume it with version {version}",
     of_other_build: "go on with that build",
@@ -127,7 +130,12 @@ mod tests {
         let length = Length { spp: None, seconds: Some(1.0 / 3.0) };
         let history = History { seconds: 5e-324, paths: u64::MAX, ..History::default() };
         Checkpoint {
-            scene: SceneSource { path: "/scenes/küche.xml".into(), options, hash: "00ff".into(), world_hash: "00fe".into() },
+            scene: SceneSource {
+                path: "/scenes/küche.xml".into(),
+                options,
+                hash: "00ff".into(),
+                world_hash: "00fe".into(),
+            },
             settings,
             device: "a device".into(),
             record: Record {
@@ -189,7 +197,7 @@ mod tests {
 
     /// Bytes of a checkpoint with this header and these parts, whose hashes are right.
     fn with_header(header: &[u8], parts: &[u8]) -> Vec<u8> {
-        let mut bytes = CHECKPOINT.magic.to_vec();
+        let mut bytes = MAGIC.to_vec();
         bytes.extend((header.len() as u64).to_le_bytes());
         bytes.extend(xxh3_128(header).to_le_bytes());
         bytes.extend(header);
@@ -267,7 +275,7 @@ mod tests {
             File::options().write(true).open(&path).unwrap().set_len(huge).unwrap();
         };
         // A header of a terabyte is not read into memory; its first byte that is no JSON ends it.
-        let mut prefix = CHECKPOINT.magic.to_vec();
+        let mut prefix = MAGIC.to_vec();
         prefix.extend((huge - PREFIX_BYTES).to_le_bytes());
         sparse(&prefix);
         let mut header = example().header();

@@ -111,7 +111,8 @@ impl GuideFile {
                 let SavedCheckpoint { settings, state, record, .. } = *checkpoint;
                 let begin = || {
                     let most = running.renderer().most_bytes_of_guide(&settings, &cells)?;
-                    let state = state.read(|name, bytes| most.iter().any(|&(part, most)| part == name && bytes <= most))?;
+                    let state =
+                        state.read(|name, bytes| most.iter().any(|&(part, most)| part == name && bytes <= most))?;
                     let guide = running.renderer().guide_of_state(settings, cells, state, record.guide_samples)?;
                     running.begin_with_guide(guide)
                 };

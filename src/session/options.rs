@@ -267,6 +267,13 @@ impl Options {
         Self { guide: Some(file.as_ref().to_path_buf()), ..self }
     }
 
+    /// Begins without a guide.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn without_guide(self) -> Self {
+        Self { guide: None, ..self }
+    }
+
     /// Renders together with other ranks. The first one uses the session, the others call
     /// [`Session::serve`](crate::Session::serve).
     #[doc(hidden)]

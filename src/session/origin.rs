@@ -1,7 +1,7 @@
 //! The beginning of a session, to which it returns where a driver ends a loop of a kernel early.
 
 use crate::renderer::RenderState;
-use crate::renderer::learned_guide::GuideState;
+use crate::renderer::guide_state::GuideState;
 use crate::session::history::History;
 
 /// Everything that a session begins again from.

@@ -17,7 +17,7 @@ use crate::fleet::Fleet;
 use crate::fleet::team::Team;
 use crate::gpu::Context;
 use crate::renderer::Renderer;
-use crate::renderer::learned_guide::check_learns_radiance;
+use crate::renderer::guide_state::check_learns_radiance;
 use crate::scene::Scene;
 use crate::scene::fingerprint::{Fingerprints, fingerprints};
 use crate::session::checkpoints::CheckpointFile;

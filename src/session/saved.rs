@@ -99,7 +99,11 @@ fn check(header: &Header) -> Result<(), &'static str> {
     let is_time = |seconds: f64| seconds >= 0.0;
     let offset = settings.sample_offset.unwrap_or(0);
     match () {
-        () if !is_text(device) || !is_text(&scene.hash) || !is_text(&scene.world_hash) || !record.kernels.iter().all(is_text) => {
+        () if !is_text(device)
+            || !is_text(&scene.hash)
+            || !is_text(&scene.world_hash)
+            || !record.kernels.iter().all(is_text) =>
+        {
             Err("it names its device, scene or kernels by control characters")
         }
         () if !is_time(record.history.seconds) || !record.length.seconds.is_none_or(is_time) => {
@@ -119,6 +123,7 @@ fn check_film(path: &Path, bytes: u64, settings: &Settings) -> Result<()> {
         return Ok(());
     }
     let (width, height) = (window.width, window.height);
-    let message = format!("it lacks {FILM_BYTES} bytes per pixel for {width} x {height} pixels; go on from another copy");
+    let message =
+        format!("it lacks {FILM_BYTES} bytes per pixel for {width} x {height} pixels; go on from another copy");
     Err(Error::checkpoint(path, message))
 }

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::encode::cells::{Cells, Grid};
 use crate::film::ranges::SampleRanges;
 use crate::renderer::StatePart;
+use crate::renderer::guide_state::check_learns_radiance;
 use crate::renderer::guide_tables::{GuideTables, TableSizes};
-use crate::renderer::learned_guide::check_learns_radiance;
 use crate::session::sealed::{Kind, PartEntry, Reader, SavedParts, VERSION};
 use crate::settings::Settings;
 use crate::{Error, Result};
@@ -189,8 +189,9 @@ pub fn merge(guides: Vec<SavedGuide>, paths: &[impl AsRef<Path>]) -> Result<Save
             return refuse(at, format!("they have learned other scenes ({ours} and {theirs})"));
         }
         if let Some(overlap) = samples.overlap(&guide.tables.samples) {
-            let message =
-                format!("an earlier guide has learned from its samples {overlap}, too; guides are merged that have learned from others");
+            let message = format!(
+                "an earlier guide has learned from its samples {overlap}, too; guides are merged that have learned from others"
+            );
             return Err(Error::checkpoint(&paths[at], message));
         }
         samples = samples.union(guide.tables.samples.clone());
@@ -214,7 +215,8 @@ mod tests {
     fn example() -> SavedGuide {
         let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
         let settings = Settings { directions: 4, ..Settings::for_film(&film, &IntegratorDescription::default()) };
-        let grid = Grid { origin: Vec3::new(0.1, -2.0, 3.0), per_unit: Vec3::splat(1.0 / 3.0), size: UVec3::new(3, 2, 2) };
+        let grid =
+            Grid { origin: Vec3::new(0.1, -2.0, 3.0), per_unit: Vec3::splat(1.0 / 3.0), size: UVec3::new(3, 2, 2) };
         let cells = Cells::of_occupancy(grid, &[0b1011_0101, 0b1]);
         let sizes = TableSizes::new(&settings, cells.count(), 2);
         let learned = LearnedRadiance { mean: 0.1, weight: 3.0 };

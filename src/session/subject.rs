@@ -48,7 +48,12 @@ impl Subject {
         if let Some(EnvironmentChoice::File(path)) = &mut options.environment {
             *path = absolute_path(path)?.into();
         }
-        Ok(SceneSource { path: absolute_path(path)?, options, hash: self.scene_hash.clone(), world_hash: self.world_hash.clone() })
+        Ok(SceneSource {
+            path: absolute_path(path)?,
+            options,
+            hash: self.scene_hash.clone(),
+            world_hash: self.world_hash.clone(),
+        })
     }
 
     /// Refuses to go on with other kernels than before, because the bits would differ.

@@ -130,19 +130,8 @@ fn forged_states_do_no_harm() {
             }
             forged.state.samples_done = [16, 1, 7, 1000][random(&mut state) as usize % 4];
             forged.write(&folder.path("a.ckpt")).unwrap();
-            let begin = [
-                "render",
-                "scene.xml",
-                "--quiet",
-                "--spp",
-                "8",
-                "--seed",
-                "9",
-                "--guide",
-                "a.ckpt",
-                "-o",
-                "b.exr",
-            ];
+            let begin =
+                ["render", "scene.xml", "--quiet", "--spp", "8", "--seed", "9", "--guide", "a.ckpt", "-o", "b.exr"];
             for arguments in
                 [&["resume", "a.ckpt", "--quiet", "--spp", "1016", "--time", "2", "-o", "a.exr"][..], &begin]
             {

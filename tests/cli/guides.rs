@@ -91,7 +91,10 @@ fn guided(folder: &Folder, scene: &str, more: &[&str]) -> String {
 #[test]
 fn a_guide_is_a_file_for_any_camera_and_size() {
     let folder = with_guides();
-    folder.write("moved.xml", &SCENE.replace("<film", "<transform name=\"to_world\"><rotate y=\"1\" angle=\"5\"/></transform><film"));
+    folder.write(
+        "moved.xml",
+        &SCENE.replace("<film", "<transform name=\"to_world\"><rotate y=\"1\" angle=\"5\"/></transform><film"),
+    );
     let large: &[&str] = &["--width", "320", "--height", "240"];
     for (scene, size) in [("scene.xml", &[][..]), ("moved.xml", &[]), ("scene.xml", large)] {
         let with_guide = || guided(&folder, scene, &[size, &["--guide", "1.guide"]].concat());
@@ -106,14 +109,20 @@ fn a_guide_is_a_file_for_any_camera_and_size() {
     assert!(guided(&folder, "moved.xml", &["--guide", "a.ckpt"]) != guided(&folder, "moved.xml", &[]));
     // A checkpoint gives its guide away.
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--spp", "24", "--guide-out", "resumed.guide", "--quiet"]));
-    refused(&folder, &["--seed", "1", "--guide", "resumed.guide"], &["resumed.guide", "--sample-offset of at least 24"]);
+    refused(
+        &folder,
+        &["--seed", "1", "--guide", "resumed.guide"],
+        &["resumed.guide", "--sample-offset of at least 24"],
+    );
 }
 
 #[test]
 fn a_guide_of_another_scene_is_taken_with_a_warning() {
     let folder = with_guides();
     let guide = ["render", "scene.xml", "--spp", "8", "--seed", "3", "--quiet", "--guide", "1.guide", "-o", "a.exr"];
-    for (change, word) in [(&["-D", "gray=0.25"][..], "the same bounds"), (&["--environment", "constant"], "the same bounds")] {
+    for (change, word) in
+        [(&["-D", "gray=0.25"][..], "the same bounds"), (&["--environment", "constant"], "the same bounds")]
+    {
         let output = folder.run(&[&guide[..], change].concat());
         assert!(output.status.success());
         let said = String::from_utf8_lossy(&output.stderr);
@@ -123,7 +132,11 @@ fn a_guide_of_another_scene_is_taken_with_a_warning() {
     folder.write("moved.xml", &SCENE.replace("z=\"5\"", "z=\"6\""));
     let output = folder.run(&[&["render", "moved.xml"], &guide[2..]].concat());
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.contains("bounds: [-1, -1, 4] to [1, 1, 6] there, [-1, -1, 5] to [1, 1, 7] here"), "{said}");
+    assert!(
+        output.status.success()
+            && said.contains("bounds: [-1, -1, 4] to [1, 1, 6] there, [-1, -1, 5] to [1, 1, 7] here"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -131,7 +144,13 @@ fn info_tells_what_a_guide_knows() {
     let folder = with_guides();
     let info = folder.run(&["info", "1.guide"]);
     let text = String::from_utf8(info.stdout).unwrap();
-    for word in ["guide of scene (hash", "sampler: product", "seed:first..end: 1:0..16", "256 bins", "cells that have learned: "] {
+    for word in [
+        "guide of scene (hash",
+        "sampler: product",
+        "seed:first..end: 1:0..16",
+        "256 bins",
+        "cells that have learned: ",
+    ] {
         assert!(info.status.success() && text.contains(word), "{text}");
     }
     let json = folder.run(&["info", "1.guide", "--json"]);

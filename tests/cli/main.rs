@@ -8,6 +8,7 @@ mod devices;
 mod faults;
 mod files;
 mod forged;
+mod frames;
 mod full_disk;
 mod guides;
 mod headers;

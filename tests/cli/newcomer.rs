@@ -34,7 +34,7 @@ fn names_of_other_renderers_are_explained() {
         (&["render", "scene.xml", "--samples", "4"][..], "--spp sets the samples per pixel"),
         (&["render", "scene.xml", "--resolution", "4"], "--width sets the width of the picture in pixels"),
         (&["render", "scene.xml", "--threads", "4"], "LP_NUM_THREADS"),
-        (&["render", "scene.xml", "--frames=1"], "a render is one picture"),
+        (&["render", "scene.xml", "--animation=1"], "--frames sets the frames to render"),
         (&["render", "scene.xml", "--spp", "1k"], "give a whole number"),
         (&["render", "scene.xml", "--width", "1920x1080"], "the width and the height, 1920 and 1080, are two options"),
         (&["render", "--view", "scene.xml"], "name the scene before --view"),

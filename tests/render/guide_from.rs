@@ -1,5 +1,6 @@
 //! Renders that begin with the guide of another render.
 
+use lodestar::renderer::guide_tables::GuideTables;
 use lodestar::scene::Scene;
 use lodestar::settings::{Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
@@ -52,6 +53,41 @@ fn a_guide_of_another_scene_is_unbiased() {
             let settings = with(&scene, Sampler::Product, 3);
             let mut renderer = device.renderer(&scene, &settings);
             renderer.begin_with_guide(&guide).expect("a guide with the same settings");
+            steps(&mut renderer, &settings, 512);
+            let picture = Estimate::of(&renderer.picture().expect("a picture"));
+            let comparison = Comparison::new(&unguided, &picture, &[8, WHOLE]);
+            println!("{}: {comparison:?}", device.mutation());
+            comparison.agrees()
+        };
+        assert!(agrees(&device) && !agrees(&device.mutated(DENSITIES_FAR)));
+    }
+}
+
+/// Guides as files hold them, of two seeds and merged, begin renders of a scene whose lamp has moved since. The picture stays unbiased.
+#[test]
+fn a_guide_of_a_file_is_unbiased_after_a_lamp_has_moved() {
+    let with = |scene: &Scene, sampler, seed| {
+        steady(Settings { nee: true, max_depth: 8, ..settings(scene, [16, 16], sampler, seed) })
+    };
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let mut before = scene.clone();
+    // The lamp is where the emitting primitives are.
+    let moved = glam::Vec3::new(-0.3, 0.0, 0.2);
+    before.primitives.iter_mut().filter(|primitive| primitive.emitter.is_some()).for_each(|lamp| lamp.origin += moved);
+    let device = Device::new();
+    let unguided = Estimate::of(&device.render(&scene, &with(&scene, Sampler::Bsdf, 1), 1024));
+    for sampler in [Sampler::Product, Sampler::RejectionMix] {
+        let taught = |seed| {
+            let settings = with(&before, sampler, seed);
+            let mut teacher = device.renderer(&before, &settings);
+            steps(&mut teacher, &settings, 16);
+            teacher.guide_tables().expect("a guide")
+        };
+        let tables = GuideTables::merged(vec![taught(2), taught(4)]).expect("a guide");
+        let agrees = |device: &Device| {
+            let settings = with(&scene, sampler, 3);
+            let mut renderer = device.renderer(&scene, &settings);
+            renderer.begin_with_tables(tables.clone()).expect("a guide with the same settings");
             steps(&mut renderer, &settings, 512);
             let picture = Estimate::of(&renderer.picture().expect("a picture"));
             let comparison = Comparison::new(&unguided, &picture, &[8, WHOLE]);

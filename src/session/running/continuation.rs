@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::renderer::RenderState;
-use crate::renderer::learned_guide::GuideState;
+use crate::renderer::guide_state::GuideState;
 use crate::session::checkpoint::{Checkpoint, Record};
 use crate::session::checkpoint_lock::CheckpointLock;
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};
@@ -68,7 +68,10 @@ impl Running {
     pub fn write_guide(&self, file: &Path) -> Result<()> {
         let tables = self.renderer().guide_tables()?;
         if tables.samples.first().is_none() {
-            return Err(Error::checkpoint(file, "the guide has learned nothing yet, so it is not written; take samples first"));
+            return Err(Error::checkpoint(
+                file,
+                "the guide has learned nothing yet, so it is not written; take samples first",
+            ));
         }
         let Subject { scene_name, world_hash, .. } = &self.subject;
         let scene = GuideScene { name: scene_name.clone(), hash: world_hash.clone() };

@@ -45,6 +45,8 @@ impl Form {
     pub const TIME: Self = Self::Text { check: |text| seconds(text).map(drop), python: "float | str" };
     /// Path of a picture.
     pub const PICTURE: Self = Self::Text { check: |text| output_path(text).map(drop), python: "_Path" };
+    /// Numbers of frames.
+    pub const FRAMES: Self = Self::Text { check: |text| frames(text).map(drop), python: "str" };
     /// Path of a guide.
     pub const GUIDE: Self = Self::Text { check: |text| guide_path(text).map(drop), python: "_Path" };
     /// Longest path.
@@ -142,6 +144,37 @@ pub fn output_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// Most frames of one command.
+const MOST_FRAMES: usize = 100_000;
+
+/// Numbers of frames, in the order in which they are written.
+///
+/// # Errors
+/// How they are written, or the frame that is named twice.
+pub fn frames(text: &str) -> Result<Vec<u32>, String> {
+    let request = || "write them as 1-250, as 1-250:2 for every second one, or as 1,5,9".to_owned();
+    let mut frames = Vec::new();
+    for part in text.split(',') {
+        let (range, step) = part.trim().split_once(':').unwrap_or((part.trim(), "1"));
+        let (first, last) = range.split_once('-').unwrap_or((range, range));
+        let number = |text: &str| text.parse::<u32>().map_err(|_| request());
+        let (first, last, step) = (number(first)?, number(last)?, number(step)?);
+        if step == 0 || last < first {
+            return Err(request());
+        }
+        if u64::from((last - first) / step) + frames.len() as u64 >= MOST_FRAMES as u64 {
+            return Err(format!("they are more than {MOST_FRAMES} frames; render them by several commands"));
+        }
+        frames.extend((first..=last).step_by(step as usize));
+    }
+    let mut sorted = frames.clone();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(format!("frame {} is named twice", pair[0])),
+        None => Ok(frames),
+    }
+}
+
 /// Path that ends in .exr.
 ///
 /// # Errors
@@ -231,6 +264,20 @@ mod tests {
             assert_eq!(page_address(half).as_deref(), Ok(whole));
             assert!(server_address(half).is_err(), "{half}");
         }
+    }
+
+    #[test]
+    fn frames_are_ranges_and_numbers() {
+        for (text, numbers) in [("7", &[7][..]), ("1-3", &[1, 2, 3]), ("1-6:2", &[1, 3, 5]), ("9, 2-3", &[9, 2, 3])] {
+            assert_eq!(frames(text).unwrap(), numbers);
+        }
+        assert_eq!(frames("4294967295").unwrap(), [u32::MAX]);
+        for text in ["", "1-", "-3", "3-1", "1-5:0", "1..5", "1-5:", "1,,2", "4294967296"] {
+            assert!(frames(text).unwrap_err().contains("1-250"), "{text}");
+        }
+        assert!(frames("0-100000").unwrap_err().contains("100000 frames"));
+        assert!(frames("0-4294967295").unwrap_err().contains("100000 frames"));
+        assert_eq!(frames("1-5,3").unwrap_err(), "frame 3 is named twice");
     }
 
     #[test]

@@ -32,11 +32,7 @@ const OTHER_NAMES: &[OtherNames] = &[
         "",
         "the device uses all its cores; lavapipe reads LP_NUM_THREADS",
     ),
-    other(
-        &["frame", "frames", "animation", "frame-start"],
-        "",
-        "a render is one picture, so render one scene for each frame",
-    ),
+    other(&["frame", "animation", "frame-start", "frame-range"], "frames", "the frames to render"),
 ];
 
 /// Meaning of the option `name` of another renderer, as a clause; `None` if it is not known. `spell` writes the name of an option of Lodestar.

@@ -301,12 +301,28 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..of_files(Everyone, "checkpoint-every", "TIME")
     },
     OptionEntry {
+        short: "Render several frames, such as 1-250, 1-250:2 or 1,5,9",
+        long: "The frame's number stands for #### in the names of the scene and of the pictures, and for $frame in values of -D; $frame*N and \
+               $frame/N are its product and quotient with a number. The seed of a frame is --seed plus its number. Each frame begins with the \
+               guide of the frame before.",
+        form: Form::FRAMES,
+        resume: Resume::Fixed,
+        ..of_files(Everyone, "frames", "FRAMES")
+    },
+    OptionEntry {
+        short: "Begin no frame with the guide of the frame before",
+        long: "Each frame then begins without a guide, or with that of --guide.",
+        form: Form::Switch,
+        requires: &["frames"],
+        resume: Resume::Fixed,
+        ..of_files(Curious, "fresh-guide", "")
+    },
+    OptionEntry {
         short: "Begin with a guide that another render has learned",
         long: "FILE comes from --guide-out, or is a checkpoint. The guide learns on. Camera, size and length may differ. The other render must \
                have the same settings of the guide, and another --seed or samples before --sample-offset only. A file of --guide-out may be of \
                another scene, about which Lodestar warns.",
         form: Form::Path,
-        keyword: Keyword::Nowhere,
         ..further(Output, "guide", "FILE")
     },
     OptionEntry {
