@@ -275,7 +275,7 @@ mod tests {
             |guide| guide.lights[0].weight = 1.0e30,
             |guide| guide.shares[1] = f32::NEG_INFINITY,
             |guide| guide.group_powers[0] = 2.0,
-            |guide| drop(guide.learned.pop()),
+            |guide| guide.learned.truncate(3),
         ];
         for change in changes {
             let mut guide = guide(2.0, 1.0, "7:0..64");

@@ -57,7 +57,7 @@ fn write_files(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -
         written.and(measured)
     });
     let kept = running.keep_last(is_lost);
-    let guided = write_guide(running, is_lost, watch);
+    let guided = if rendered.is_ok() { write_guide(running, watch) } else { Ok(()) };
     let statistics = running.output().statistics.as_ref();
     let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &running.statistics_with(errors)));
     (rescued, rendered.and(written).and(kept).and(guided).and(statistics))
@@ -114,9 +114,9 @@ fn write_last(running: &Running, picture: &Picture, is_rendered: bool, watch: &W
     Ok(())
 }
 
-/// Writes the guide if the caller wants it. A lost device has taken it along, and a render without samples has none.
-fn write_guide(running: &Running, is_lost: bool, watch: &Watch<'_>) -> Result<()> {
-    let Some(path) = running.output().guide.as_ref().filter(|_| !is_lost && running.samples_done() > 0) else {
+/// Writes the guide of a render that has not failed, if the caller wants it. A render without samples has none.
+fn write_guide(running: &Running, watch: &Watch<'_>) -> Result<()> {
+    let Some(path) = running.output().guide.as_ref().filter(|_| running.samples_done() > 0) else {
         return Ok(());
     };
     running.write_guide(path)?;

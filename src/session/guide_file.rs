@@ -21,7 +21,7 @@ pub(super) struct GuideFile {
     content: Content,
 }
 
-/// What the file is.
+/// Content of such a file.
 enum Content {
     /// A guide alone, with its cells. It may be of another scene.
     Guide(Box<SavedGuide>),

@@ -40,9 +40,9 @@ const BLOCK: usize = 1 << 20;
 pub(super) struct Kind {
     /// First bytes of the file. They contain line breaks, which a transfer as text would change.
     pub magic: [u8; 8],
-    /// What is said of a file of another kind.
+    /// Sentence about a file of another kind.
     pub refusal: &'static str,
-    /// What another version would do, and the remedy; `{version}` stands for that version.
+    /// Clause about what another version would do, with the remedy; `{version}` stands for that version.
     pub of_other_version: &'static str,
     /// Remedy where another build has written the file.
     pub of_other_build: &'static str,
