@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Optional
 
 from . import units, xml
 from .report import Report
@@ -25,10 +25,11 @@ def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xm
     place = f'light "{name}"'
     _report_unsupported(light, place, report)
     power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
-    tinted = lambda value: tuple(channel * value for channel in color_of(light))  # noqa: E731
-    if power == 0.0 or max(color_of(light)) == 0.0:
+    color = tuple(a * b for a, b in zip(color_of(light), _shaded(light, place, report)))
+    tinted = lambda value: tuple(channel * value for channel in color)  # noqa: E731
+    if power == 0.0 or max(color) == 0.0:
         return []
-    if power < 0.0 or min(color_of(light)) < 0.0:
+    if power < 0.0 or min(color) < 0.0:
         report.warn(place, "negative light is not supported; the light is left out")
         return []
     if light.type == "AREA":
@@ -45,23 +46,47 @@ def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xm
 
 
 def _report_unsupported(light: Any, place: str, report: Report) -> None:
-    if light.use_nodes and light.node_tree is not None:
-        kinds = {node.type for node in light.node_tree.nodes}
-        if kinds - {"EMISSION", "OUTPUT_LIGHT"} or _emission_changed(light.node_tree):
-            report.warn(place, "nodes of lights are not supported; color and power of the light are used")
-    if not getattr(light, "normalize", True):
+    if not getattr(light, "normalize", True) and light.type in ("SUN", "SPOT"):
         report.warn(place, "a power that is not normalized by the area is not supported; it is taken as normalized")
     if getattr(light, "use_shadow", True) is False:
         report.warn(place, "light without shadows is not supported")
 
 
-def _emission_changed(tree: Any) -> bool:
-    """Whether an Emission node of a lamp is anything but white with strength 1."""
-    emission = [node for node in tree.nodes if node.type == "EMISSION"]
-    return any(
-        tuple(node.inputs["Color"].default_value)[:3] != (1.0, 1.0, 1.0) or node.inputs["Strength"].default_value != 1.0
-        for node in emission
-    )
+def _shaded(light: Any, place: str, report: Report) -> tuple[float, ...]:
+    """Color by which a lamp's nodes multiply its light."""
+    if not light.use_nodes or light.node_tree is None:
+        return (1.0, 1.0, 1.0)
+    output = light.node_tree.get_output_node("CYCLES") or light.node_tree.get_output_node("ALL")
+    source = _source(output.inputs["Surface"]) if output is not None else None
+    if source is None:
+        return (0.0, 0.0, 0.0)
+    if source.node.type == "EMISSION" and not source.node.mute:
+        color, strength = (_constant(source.node.inputs[name]) for name in ("Color", "Strength"))
+        if color is not None and strength is not None:
+            return tuple(channel * strength[0] for channel in color)
+    report.warn(place, "nodes of lights other than Emission with constants are not supported; color and power of the light are used")
+    return (1.0, 1.0, 1.0)
+
+
+def _source(socket: Any) -> Any:
+    """Output that a socket is linked to, past reroutes; None where it has a value of its own."""
+    while True:
+        link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+        if link is None or link.from_node.type != "REROUTE":
+            return link.from_socket if link is not None else None
+        socket = link.from_node.inputs[0]
+
+
+def _constant(socket: Any) -> Optional[tuple[float, ...]]:
+    """Value of a socket, with one number or three; None where nodes that vary make it."""
+    source = _source(socket)
+    if source is not None and source.node.type == "BLACKBODY" and not source.node.mute:
+        temperature = _constant(source.node.inputs["Temperature"])
+        return units.blackbody(temperature[0]) if temperature is not None else None
+    if source is not None and source.node.type not in ("RGB", "VALUE"):
+        return None
+    value = (source or socket).default_value
+    return (float(value),) if isinstance(value, (int, float)) else tuple(float(channel) for channel in value[:3])
 
 
 def _point(matrix: Any, power: float, tinted: Any) -> xml.Element:
@@ -80,6 +105,8 @@ def _ball(light: Any, course: xml.Course, power: float, tinted: Any) -> xml.Elem
     xml.add(shape, "radius", float(radius))
     if course.keys:
         xml.add_course(shape, course.mapped(lambda matrix: Matrix.Translation(matrix.translation - center)))
+    if not getattr(light, "normalize", True):
+        power *= 4.0 * math.pi * radius**2
     return _emitting(shape, tinted(units.sphere_radiance(power, radius)))
 
 
@@ -100,6 +127,9 @@ def _sun(light: Any, matrix: Any, power: float, tinted: Any) -> list[xml.Element
 def _spot(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> xml.Element:
     if light.shadow_soft_size > 0.0:
         report.warn(place, "the radius of a spot is not supported; its shadows are sharp")
+    sides = [matrix.col[at].xyz.length for at in range(3)]
+    if max(sides) > 1.001 * min(sides):
+        report.warn(place, "a spot that is scaled unevenly is not supported; its cone is round")
     half_angle = 0.5 * light.spot_size
     beam = units.beam_width(half_angle, light.spot_blend)
     scale = units.spot_flux(half_angle, light.spot_blend) / units.linear_spot_flux(half_angle, beam)
@@ -123,7 +153,7 @@ def _area(light: Any, course: xml.Course, power: float, tinted: Any, place: str,
         return []
     shape = xml.plugin("shape", "disk" if is_round else "rectangle")
     xml.add_course(shape, course.mapped(lambda matrix: _facing(matrix, (0.5 * width, 0.5 * height))))
-    return [_emitting(shape, tinted(units.area_radiance(power, area)))]
+    return [_emitting(shape, tinted(units.area_radiance(power, area if getattr(light, "normalize", True) else 1.0)))]
 
 
 def faces(light: Any, matrix: Any, eye: Any) -> bool:

@@ -64,7 +64,10 @@ def render(path: Path, options: argparse.Namespace) -> Result:
     result: Result = {"state": "rendered", "warnings": warnings}
     if options.compare:
         theirs = support.colors(support.render(scene, "CYCLES", options.samples))
-        result["ratio"], result["block"] = support.mean_ratio(ours, theirs), support.deviation(ours, theirs)
+        if ours.any() or theirs.any():
+            result["ratio"], result["block"] = support.mean_ratio(ours, theirs), support.deviation(ours, theirs)
+        else:
+            result["message"] = "both pictures are black"
     return result
 
 
@@ -97,7 +100,7 @@ def in_process(path: Path, arguments: list[str], limit: float) -> Result:
 
 
 def agrees(result: Result) -> bool:
-    return abs(result["ratio"] - 1.0) < MOST_OF_MEAN and result["block"] < MOST_OF_BLOCK
+    return "ratio" in result and abs(result["ratio"] - 1.0) < MOST_OF_MEAN and result["block"] < MOST_OF_BLOCK
 
 
 def line_of(name: str, result: Result) -> str:

@@ -150,6 +150,26 @@ def no_surfaces_in_layer() -> Any:
     return scene
 
 
+def lamp_with_nodes() -> Any:
+    """A lamp whose nodes multiply its light by a color of a temperature."""
+    scene = base(None)
+    data = lamp(scene, "AREA", 60, size=0.5).data
+    data.use_nodes = True
+    tree = data.node_tree
+    emission, blackbody = next(node for node in tree.nodes if node.type == "EMISSION"), tree.nodes.new("ShaderNodeBlackbody")
+    emission.inputs["Strength"].default_value, blackbody.inputs["Temperature"].default_value = 1.5, 3000.0
+    tree.links.new(blackbody.outputs[0], emission.inputs["Color"])
+    return scene
+
+
+def unnormalized_lamps() -> Any:
+    """Lamps whose power is not divided by their area, which Blender has since 4.5."""
+    scene = base(None)
+    lamp(scene, "AREA", 40, size=0.5, normalize=False)
+    lamp(scene, "POINT", 30, (-2, -1, 2), shadow_soft_size=0.3, use_soft_falloff=False, normalize=False)
+    return scene
+
+
 def world_of_layer() -> Any:
     """A view layer with a world of its own, which Blender has since 5.0."""
     scene = base()
@@ -173,7 +193,10 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (second_colors, 0.03, 0.01),
     (overridden, 0.03, 0.01),
     (no_surfaces_in_layer, 0.03, 0.01),
+    (lamp_with_nodes, 0.03, 0.01),
 ]
+if "normalize" in bpy.types.Light.bl_rna.properties:
+    ROWS.append((unnormalized_lamps, 0.03, 0.01))
 if "world_override" in bpy.types.ViewLayer.bl_rna.properties:
     ROWS.append((world_of_layer, 0.03, 0.01))
 
@@ -208,6 +231,17 @@ def few_bounces(scene: Any) -> None:
     lamp(scene, "SUN", 1.0).data.cycles.max_bounces = 0
 
 
+def textured_lamp(scene: Any) -> None:
+    data = lamp(scene, "AREA", 1.0).data
+    data.use_nodes = True
+    emission, texture = (next(n for n in data.node_tree.nodes if n.type == "EMISSION"), data.node_tree.nodes.new("ShaderNodeTexChecker"))
+    data.node_tree.links.new(texture.outputs["Color"], emission.inputs["Color"])
+
+
+def uneven_spot(scene: Any) -> None:
+    lamp(scene, "SPOT", 1.0, shadow_soft_size=0.0).scale.x = 2.0
+
+
 def invisible_world(scene: Any) -> None:
     scene.world.cycles_visibility.camera = False
 
@@ -233,6 +267,8 @@ def indirect(scene: Any) -> None:
         (linked_light, 'object "lamp": light linking'),
         (without_mis, 'light "lamp": a lamp without Multiple Importance'),
         (few_bounces, 'light "lamp": a limit of its bounces'),
+        (textured_lamp, 'light "lamp": nodes of lights other than Emission'),
+        (uneven_spot, 'light "lamp": a spot that is scaled unevenly'),
         (invisible_world, 'world "world": its invisibility to camera rays'),
         (transparent_glass, "scene: transparent glass"),
         (held_out, 'collection "masks": a holdout'),
