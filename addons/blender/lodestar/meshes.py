@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
+from . import attributes
 from .report import Report
 
 
@@ -125,19 +126,11 @@ def _colors(
 ) -> Optional[np.ndarray]:
     if name is None:
         return None
-    attribute = mesh.color_attributes.get(name) if name else _rendered_colors(mesh)
-    if attribute is None or attribute.domain not in ("POINT", "CORNER"):
-        report.warn(place, f'the color attribute "{name}" is missing; the surface is white')
+    found = attributes.colors(mesh, name, vertex_of_loop)
+    if found is None:
+        report.warn(place, f'the attribute "{name}" has a type or a domain that is not supported; the surface is white')
         return np.ones((len(vertex_of_loop), 3), np.float32)
-    colors = _get(attribute.data, "color", 4 * len(attribute.data), np.float32).reshape(-1, 4)[:, :3]
-    return colors[vertex_of_loop] if attribute.domain == "POINT" else colors
-
-
-def _rendered_colors(mesh: Any) -> Any:
-    """Color attribute that renders show where a node names none; None where there is none."""
-    attributes = mesh.color_attributes
-    index = attributes.render_color_index
-    return attributes[index] if 0 <= index < len(attributes) else None
+    return found
 
 
 def _is_closed(triangles: np.ndarray) -> bool:

@@ -125,6 +125,9 @@ class Reader:
         value = self._value(socket, groups)
         if isinstance(value, tuple):
             return 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2]
+        if isinstance(value, Texture) and value.attribute is not None:
+            self.warn(f'the attribute "{value.attribute}" as a number is not supported; {socket.name} takes its default value')
+            return _number(_default(socket))
         return value
 
     def constant(self, socket: Any, groups: tuple[Any, ...]) -> float:
@@ -217,7 +220,7 @@ class Reader:
         return value.with_operation("invert") if value.image is not None else None
 
     def _attribute(self, node: Any, output: str) -> Optional[Value]:
-        if output not in ("Color", "Fac"):
+        if output not in ("Color", "Fac", "Factor"):
             return None
         if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
             return None
@@ -307,6 +310,10 @@ def _is_premultiplied(node: Any) -> bool:
     is_color = image.alpha_mode in ("STRAIGHT", "PREMUL") and image.colorspace_settings.name not in ("Non-Color", "Raw")
     has_alpha = image.channels == 4 and image.depth in (32, 64, 128) and not image.is_float
     return is_color and has_alpha and not node.outputs["Alpha"].is_linked
+
+
+def _number(value: Value) -> float:
+    return sum(value) / 3.0 if isinstance(value, tuple) else float(value)  # type: ignore[arg-type]
 
 
 def _default(socket: Any) -> Value:

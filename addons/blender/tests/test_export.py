@@ -81,6 +81,13 @@ def pointiness(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=geometry.outputs["Pointiness"]).outputs[0]
 
 
+def attribute_as_number(tree: Any) -> Any:
+    """An attribute where a number is needed."""
+    attribute = tree.nodes.new("ShaderNodeAttribute")
+    attribute.attribute_name = "wear"
+    return scenes.shader(tree, "ShaderNodeBsdfPrincipled", Roughness=attribute.outputs[2]).outputs[0]
+
+
 def toon(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfToon").outputs[0]
 
@@ -112,6 +119,7 @@ def wide_bump(tree: Any) -> Any:
 UNSUPPORTED = [
     (occlusion, '"Ambient Occlusion" (Ambient Occlusion)'),
     (pointiness, 'the output Pointiness of the node "Geometry"'),
+    (attribute_as_number, 'the attribute "wear" as a number is not supported; Roughness'),
     (toon, "Toon BSDF"),
     (computed_emission, "a computed Color of emitted light"),
 ]

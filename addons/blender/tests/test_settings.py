@@ -179,6 +179,29 @@ def world_of_layer() -> Any:
     return scene
 
 
+def attribute_of(name: str, kind: str, socket: str) -> Any:
+    """A square with the attribute "wear" of its face, of which the material shows the one with a name."""
+
+    def build(tree: Any) -> Any:
+        node = tree.nodes.new("ShaderNodeAttribute")
+        node.attribute_name = name
+        return scenes.shader(tree, kind, **{socket: node.outputs["Color"]}).outputs[0]
+
+    scene = from_above(lambda: scenes.material("colored", build))
+    scene.objects["square"].data.attributes.new("wear", "FLOAT", "FACE").data[0].value = 0.6
+    return scene
+
+
+def number_of_a_face() -> Any:
+    """An attribute that is a number of each face."""
+    return attribute_of("wear", "ShaderNodeBsdfDiffuse", "Color")
+
+
+def missing_attribute() -> Any:
+    """An attribute that the mesh does not have is 0."""
+    return attribute_of("dirt", "ShaderNodeBsdfPrincipled", "Base_Color")
+
+
 # Scene, largest deviation of a block mean, and of the whole mean; `no_material` has Disney's diffuse base (docs/blender.md).
 ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (portal, 0.03, 0.01),
@@ -190,6 +213,8 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (linked_alpha, 0.03, 0.01),
     (emission_under_alpha, 0.03, 0.01),
     (emission_under_texture, 0.03, 0.01),
+    (number_of_a_face, 0.03, 0.01),
+    (missing_attribute, 0.03, 0.01),
     (second_colors, 0.03, 0.01),
     (overridden, 0.03, 0.01),
     (no_surfaces_in_layer, 0.03, 0.01),
