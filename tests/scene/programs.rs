@@ -127,6 +127,15 @@ fn what_is_refused() {
         (nested("mix", r#"<float name="a" value="1"/>"#), "`mix` needs its parameter `b`"),
         (nested("fbm", r#"<float name="roughness" value="nan"/>"#), "`nan` is not a finite number"),
         (nested("fbm", r#"<integer name="octaves" value="99"/>"#), "`octaves` must lie in 0..32, not 99"),
+        (nested("noise_3d", r#"<string name="kind" value="pink"/>"#), "the kind `pink` is not known; use one of fbm,"),
+        (
+            nested("table", r#"<texture name="value" type="uv"/><string name="values" value="0 1"/>"#),
+            "three for each of its entries",
+        ),
+        (
+            nested("table", r#"<texture name="value" type="uv"/><string name="values" value="0 nan 1"/>"#),
+            "`values` of a table must be finite numbers",
+        ),
         (
             nested("absolute", r#"<texture name="value" type="wood"/>"#),
             "texture plugin `wood` is not supported; use one of",
