@@ -1,16 +1,23 @@
 //! Compiler from GLSL to SPIR-V, for the build scripts of the crate and of `tests/tampered`.
 
+use std::cell::RefCell;
 use std::fmt::Write as _;
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use super::kept::Kept;
 
 /// Folder that includes are relative to.
 const INCLUDE_FOLDER: &str = "glsl/include";
+/// This file, which has the options of the compiler, and the versions of the crates.
+const OPTIONS: &str = include_str!("compile.rs");
+const VERSIONS: &str = include_str!("../Cargo.lock");
 
 /// Compiles `file`, a path relative to the folder `root`, with everything that it includes. The files that were written for it
-/// lie in `written`. Returns the SPIR-V.
+/// lie in `written`. Returns the SPIR-V, that of an earlier build if there is one of the same text.
 pub fn compile(root: &Path, file: &str, macros: &[&str], written: &Path) -> Result<Vec<u8>, String> {
     let source = fs::read_to_string(root.join(file)).map_err(|e| format!("{file}: cannot be read: {e}"))?;
+    let read = RefCell::new(format!("{}\n{macros:?}\n{file}\n{source}", compiler_identity()));
     let compiler = shaderc::Compiler::new().map_err(|e| e.to_string())?;
     let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
@@ -22,11 +29,40 @@ pub fn compile(root: &Path, file: &str, macros: &[&str], written: &Path) -> Resu
     for name in macros {
         options.add_macro_definition(name, Some("1"));
     }
-    options.set_include_callback(|name, _, _, _| resolve_include(root, written, name));
+    options.set_include_callback(|name, _, _, _| {
+        let include = resolve_include(root, written, name)?;
+        let _ = write!(read.borrow_mut(), "\n{name}\n{}", include.content);
+        Ok(include)
+    });
+    // The preprocessor reads all that is included. What it says of faults, the compiler says, too.
+    let is_whole = compiler.preprocess(&source, file, "main", Some(&options)).is_ok();
+    let out = env::var_os("OUT_DIR").map(PathBuf::from).filter(|_| is_whole);
+    let kept = out.and_then(|out| Kept::new(&out, read.take()));
+    if let Some(spirv) = kept.as_ref().and_then(Kept::read) {
+        return Ok(spirv);
+    }
     let artifact = compiler
         .compile_into_spirv(&source, shaderc::ShaderKind::Compute, file, "main", Some(&options))
         .map_err(|e| diagnostics(root, &e.to_string()))?;
+    kept.iter().for_each(|kept| kept.write(artifact.as_binary_u8()));
     Ok(artifact.as_binary_u8().to_vec())
+}
+
+/// What tells one compiler from another: its options here, the version of its crate, and the library of the system, if there is one.
+fn compiler_identity() -> String {
+    let of_crate = VERSIONS.split("[[package]]").find(|package| package.contains("\nname = \"shaderc-sys\"\n"));
+    let libraries = env::var_os("SHADERC_LIB_DIR").and_then(|folder| fs::read_dir(folder).ok());
+    let mut libraries: Vec<_> = libraries
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| {
+            let data = fs::metadata(entry.path()).ok();
+            (entry.file_name(), data.map(|data| (data.len(), data.modified().ok())))
+        })
+        .collect();
+    libraries.sort();
+    format!("{OPTIONS}\n{}\n{libraries:?}", of_crate.unwrap_or_default())
 }
 
 fn resolve_include(root: &Path, written: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {

@@ -18,6 +18,8 @@ mod constants;
 mod cores;
 mod glsl;
 mod interface;
+#[cfg(feature = "shaderc")]
+mod kept;
 mod kernels;
 mod layout;
 mod registry;

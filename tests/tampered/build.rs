@@ -7,6 +7,8 @@ mod cores;
 #[expect(dead_code, reason = "it also serves the crate's build script")]
 #[path = "../../build/glsl/mod.rs"]
 mod glsl;
+#[path = "../../build/kept.rs"]
+mod kept;
 #[path = "src/mutations.rs"]
 mod mutations;
 
