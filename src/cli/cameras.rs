@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use lodestar::scene::{CameraChoice, LoadOptions, load, scene_file};
-use lodestar::session::{OutputFiles, SceneInput, Start};
+use lodestar::session::{Event, OutputFiles, SceneInput, Start};
 use lodestar::{Error, Result};
 
 use super::console::Console;
-use super::print::print_message;
-use super::render::{RenderArgs, check_several, options, render};
+use super::interrupt::Interrupt;
+use super::render::{Kept, RenderArgs, check_several, options, render_one};
 
 /// Value of `--camera` that asks for all of them.
 pub const ALL: &str = "all";
@@ -26,32 +26,34 @@ pub fn are_all_wanted(args: &RenderArgs) -> bool {
 pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
     let RenderArgs { scene: path, given } = args;
     check_several(&given, "--camera all", &OF_ONE_PICTURE, "name a camera")?;
-    let (choices, files, is_quiet) = (given.load(), given.files(), given.has("quiet"));
+    let (choices, files) = (given.load(), given.files());
     let scene = load(&scene_file(&path)?, &LoadOptions { camera: None, ..choices.clone() })?;
     let names = names(&scene.cameras);
     if names.is_empty() {
         return Err(Error::Settings(format!("{}: the scene has no camera; leave out --camera", path.display())));
     }
-    let (stem, viewers) = (scene.name.clone(), given.viewers());
+    let stem = scene.name.clone();
     drop(scene);
     let consoles: Vec<_> = names.iter().map(|_| Console::new(&given, given.has("output"))).collect();
+    let interrupt = Interrupt::catch(consoles.iter().all(Console::is_talking))?;
     let options = options(given);
-    for ((index, name), console) in names.iter().enumerate().zip(&consoles) {
-        if !is_quiet {
-            print_message(&format!("camera {} of {}: {name}", index + 1, names.len()));
+    for ((index, name), console) in names.iter().enumerate().zip(consoles) {
+        if interrupt.is_raised() {
+            break;
         }
+        console.show(Event::Note(&format!("camera {} of {}: {name}", index + 1, names.len())));
         let camera = Some(CameraChoice::Named(index.to_string()));
         let input = SceneInput::File { path: path.clone(), options: LoadOptions { camera, ..choices.clone() } };
         let default = [PathBuf::from(format!("{stem}.exr"))];
         let pictures = if files.pictures.is_empty() { &default[..] } else { &files.pictures };
         let pictures = pictures.iter().map(|picture| named(picture, name)).collect();
         let options = options.clone().files(OutputFiles { pictures, ..files.clone() });
-        let code = render(Start::Anew(input), &options, console, &viewers)?;
+        let code = render_one(Start::Anew(input), &options, &console, &interrupt, &mut Kept::default())?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(interrupt.exit_code())
 }
 
 /// Words for the cameras in names of files: their names, where these are words that no other camera has, or else their indices.

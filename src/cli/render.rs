@@ -62,6 +62,8 @@ pub fn check_several(given: &Given<OfRender>, asked: &str, of_one: &[&str], reme
 /// What one render leaves to the next one.
 #[derive(Default)]
 pub struct Kept {
+    /// Whether there is a next render, which takes the rest.
+    pub is_wanted: bool,
     /// What the guide has learned. The next render begins with it.
     pub guide: Option<LearnedGuide>,
     /// The device, which stays open.
@@ -70,23 +72,29 @@ pub struct Kept {
 
 /// Renders from the beginning or from a checkpoint, and shows the progress and the end.
 pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
-    render_on(start, options, console, viewers, None)
-}
-
-/// Renders as [`render`] does, with what an earlier render has left in `kept`.
-pub fn render_on(
-    start: Start<'_>,
-    options: &Options,
-    console: &Console,
-    viewers: &ViewOptions,
-    kept: Option<&mut Kept>,
-) -> Result<ExitCode> {
     let exchange = ranks::exchange()?;
     let options = &with(options.clone(), exchange.clone(), Options::exchange);
     if exchange.is_some_and(|exchange| exchange.rank() > 0) {
         return serve(start, options);
     }
-    let rendered = render_watched(start, options, console, viewers, kept);
+    let mut kept = Kept::default();
+    let interrupt = Interrupt::catch(console.is_talking());
+    ended(interrupt.and_then(|it| render_watched(start, options, console, viewers, &it, &mut kept)), console)
+}
+
+/// Renders one of several pictures as [`render`] does, with the signals of all of them and what the picture before has left in `kept`.
+pub fn render_one(
+    start: Start<'_>,
+    options: &Options,
+    console: &Console,
+    interrupt: &Interrupt,
+    kept: &mut Kept,
+) -> Result<ExitCode> {
+    ended(render_watched(start, options, console, &ViewOptions::default(), interrupt, kept), console)
+}
+
+/// Shows the end of a render. A log in JSON has its error.
+fn ended(rendered: Result<ExitCode>, console: &Console) -> Result<ExitCode> {
     let is_told = console.tell_end(&rendered);
     if is_told && rendered.is_err() { Ok(ExitCode::FAILURE) } else { rendered }
 }
@@ -104,9 +112,9 @@ fn render_watched(
     options: &Options,
     console: &Console,
     viewers: &ViewOptions,
-    kept: Option<&mut Kept>,
+    interrupt: &Interrupt,
+    kept: &mut Kept,
 ) -> Result<ExitCode> {
-    let interrupt = Interrupt::catch(console.is_talking())?;
     let viewers = Viewers::start(viewers)?;
     viewers.url().iter().for_each(|url| console.tell_address(url));
     let show = |event: Event<'_>| {
@@ -115,15 +123,16 @@ fn render_watched(
     };
     let watch = Watch { stop: &|| interrupt.is_raised() || viewers.is_stopped(), events: &show };
     let mut session = Session::start(start, options, &watch)?;
-    if let Some(guide) = kept.as_ref().and_then(|kept| kept.guide.as_ref()) {
+    if let Some(guide) = &kept.guide {
         session.begin_with_guide(guide)?;
     }
     let finished = session.run_watched(&watch, |session| viewers.after_step(session, &watch));
     viewers.finish(&session, &watch);
     let printed = session.profile().map_or(Ok(()), |profile| print_line(profile.table().trim_end()));
     finished.and(printed)?;
-    if let Some(kept) = kept {
-        *kept = Kept { guide: session.learned_guide().ok(), context: Some(Arc::clone(session.context())) };
+    if kept.is_wanted {
+        kept.guide = session.learned_guide().ok();
+        kept.context = Some(Arc::clone(session.context()));
     }
     Ok(interrupt.exit_code())
 }

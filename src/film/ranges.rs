@@ -44,11 +44,19 @@ impl SampleRanges {
 
     /// First range of samples that both hold, as text; `None` where they are disjoint.
     pub fn overlap(&self, other: &Self) -> Option<String> {
-        let pairs = self.0.iter().flat_map(|a| other.0.iter().map(move |b| (a, b)));
-        pairs.filter(|(a, b)| a.seed == b.seed).find_map(|(a, b)| {
+        // Both are sorted, so one walk through both finds the first pair.
+        let (mut ours, mut theirs) = (self.0.iter().peekable(), other.0.iter().peekable());
+        while let (Some(a), Some(b)) = (ours.peek(), theirs.peek()) {
             let (start, end) = (a.samples.start.max(b.samples.start), a.samples.end.min(b.samples.end));
-            (start < end).then(|| SeededRange { seed: a.seed, samples: start..end }.to_string())
-        })
+            if a.seed == b.seed && start < end {
+                return Some(SeededRange { seed: a.seed, samples: start..end }.to_string());
+            }
+            match (a.seed, a.samples.end) <= (b.seed, b.samples.end) {
+                true => ours.next(),
+                false => theirs.next(),
+            };
+        }
+        None
     }
 
     /// Union of two disjoint sets of ranges.

@@ -12,9 +12,9 @@ use crate::settings::Settings;
 /// Names of a guide's parts in the memory of a device, in their order.
 const PARTS: [&str; 6] =
     ["radiance", "learned radiance", "bin ends", "radiance nodes", "normalizers", "marked normalizers"];
-/// Largest mean and weight that a guide may hold. The sums over a cell are then finite.
-const MOST_MEAN: f32 = 1.0e20;
-const MOST_WEIGHT: f32 = 1.0e12;
+/// Largest sum that a guide may hold: of the weights of all bins, of their means times weights, and of the words of shares. The sums that
+/// a device takes over cells and their parents are then finite.
+const MOST_SUM: f64 = f32::MAX as f64 / 4.0;
 /// Largest power of a group over that of all lights, which rounding may raise above 1.
 const MOST_POWER: f32 = 1.001;
 
@@ -83,7 +83,12 @@ impl GuideTables {
     /// Whether all values are such as a render learns.
     pub fn are_sound(&self) -> bool {
         let is_in = |value: f32, most: f32| (0.0..=most).contains(&value);
-        let of_mean = |learned: &LearnedRadiance| is_in(learned.mean, MOST_MEAN) && is_in(learned.weight, MOST_WEIGHT);
+        let bins = || self.learned.iter().chain(&self.lights);
+        let is_finite = |sum: f64| sum <= MOST_SUM;
+        let numbers = bins().flat_map(|bin| [bin.mean, bin.weight]).chain(self.shares.iter().copied());
+        let weights = bins().map(|bin| f64::from(bin.weight)).sum();
+        let radiance = bins().map(|bin| f64::from(bin.mean) * f64::from(bin.weight)).sum();
+        let shares = self.shares.iter().map(|&word| f64::from(word)).sum();
         let lengths = TableSizes {
             learned: self.learned.len() as u64,
             lights: self.lights.len() as u64,
@@ -91,8 +96,8 @@ impl GuideTables {
             marks: self.marks.len() as u64,
         };
         lengths == self.sizes()
-            && self.learned.iter().chain(&self.lights).all(of_mean)
-            && self.shares.iter().all(|&word| is_in(word, MOST_MEAN))
+            && numbers.into_iter().all(|number| is_in(number, f32::MAX))
+            && [weights, radiance, shares].into_iter().all(is_finite)
             && self.group_powers.iter().all(|&power| is_in(power, MOST_POWER))
     }
 
@@ -268,11 +273,13 @@ mod tests {
 
     #[test]
     fn values_that_no_render_learns_are_found() {
-        let changes: [fn(&mut GuideTables); 7] = [
+        let changes: [fn(&mut GuideTables); 9] = [
             |guide| guide.learned[3].mean = f32::NAN,
             |guide| guide.learned[3].weight = -1.0,
             |guide| guide.lights[0].mean = f32::INFINITY,
-            |guide| guide.lights[0].weight = 1.0e30,
+            |guide| guide.lights[0].weight = f32::MAX,
+            |guide| guide.learned[1].mean = 1.0e38,
+            |guide| guide.shares.fill(1.0e38),
             |guide| guide.shares[1] = f32::NEG_INFINITY,
             |guide| guide.group_powers[0] = 2.0,
             |guide| guide.learned.truncate(3),

@@ -58,7 +58,7 @@ pub use medium::{AlbedoVolume, Boundary, Media, Medium, Phase, PhaseLobe, Volume
 pub use mitsuba::dictionary::{Array, Dictionary, Value};
 pub use motion::{Course, Motion};
 pub use place::scene_file;
-pub use plugins::load::LoadProgress;
+pub use plugins::load::{LoadProgress, scene_name};
 pub use read::{load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 pub use whole::Scene;

@@ -13,7 +13,7 @@ use crate::renderer::guide_state::check_learns_radiance;
 use crate::renderer::guide_tables::{GuideTables, TableSizes};
 use crate::session::sealed::{Kind, PartEntry, Reader, SavedParts, VERSION};
 use crate::settings::Settings;
-use crate::{Error, Result};
+use crate::{Error, Result, files};
 
 /// Files of guides.
 pub(super) const GUIDE: Kind = Kind {
@@ -26,7 +26,7 @@ pub(super) const GUIDE: Kind = Kind {
 /// Names of the parts, in their order.
 const PARTS: [&str; 5] = ["cells", "learned", "lights", "shares", "marks"];
 /// Most places along an axis, and most groups of lights, of a guide that is read.
-const MOST_PLACES: u32 = 1 << 10;
+const MOST_PLACES: u32 = 64;
 const MOST_GROUPS: usize = 1 << 10;
 
 /// The scene that a guide has learned.
@@ -80,8 +80,20 @@ impl SavedGuide {
     /// Writes the guide whole or not at all.
     ///
     /// # Errors
-    /// [`Error::Write`]. An older file then stays as it was.
+    /// [`Error::Write`], or [`Error::Checkpoint`] if it holds radiance that its file cannot have. An older file then stays as it was.
     pub fn write(&self, path: &Path) -> Result<()> {
+        if !files::has_extension(path, "guide") {
+            return Err(Error::checkpoint(path, "a guide's file has a name that ends in .guide"));
+        }
+        if !self.tables.are_sound() {
+            let message = "the guide has learned radiance so bright that its sums overflow, so it is not written; give the scene \
+                           darker lamps and a higher --exposure";
+            return Err(Error::checkpoint(path, message));
+        }
+        self.write_unchecked(path)
+    }
+
+    fn write_unchecked(&self, path: &Path) -> Result<()> {
         let GuideTables { settings, cells, group_powers, samples, learned, lights, shares, marks } = &self.tables;
         let contents = [
             cells.occupancy(),
@@ -286,13 +298,14 @@ mod tests {
 
     #[test]
     fn forged_headers_are_refused() {
-        let changes: [Forged; 11] = [
+        let changes: [Forged; 12] = [
             (|header| header.version = "9.8.7".into(), "version 9.8.7"),
             (|header| header.scene.name = "a\u{1b}[2J".into(), "control characters"),
             (|header| header.settings.sampler = Sampler::Bsdf, "learns nothing"),
             (|header| header.settings.directions = 32, "not those of its cells"),
             (|header| header.grid.size = UVec3::ZERO, "no finite place or size"),
             (|header| header.grid.size = UVec3::MAX, "no finite place or size"),
+            (|header| header.grid.size = UVec3::new(1, 1, MOST_PLACES + 1), "no finite place or size"),
             (|header| header.grid.size.x += 7, "not those of its cells"),
             (|header| header.grid.per_unit.y = 0.0, "no finite place or size"),
             (|header| header.light_groups.push(0.5), "not those of its cells"),
@@ -313,7 +326,8 @@ mod tests {
         let (_folder, path, _) = written();
         let mut guide = example();
         guide.tables.learned[0].mean = f32::NAN;
-        guide.write(&path).unwrap();
+        assert!(guide.write(&path).unwrap_err().to_string().contains("so bright"));
+        guide.write_unchecked(&path).unwrap();
         let text = refused(&path, &fs::read(&path).unwrap());
         assert!(text.contains("radiance that no render learns"), "{text}");
     }

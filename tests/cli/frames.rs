@@ -2,10 +2,10 @@
 
 use lodestar::film::read_picture;
 
-use crate::support::{Folder, SCENE, assert_sentence};
+use crate::support::{Folder, SCENE, assert_sentence, wait_until};
 
-/// Folder with a scene that is brighter at each frame.
-fn brightening() -> Folder {
+/// Folder with a scene that turns with the frames.
+fn turning() -> Folder {
     let folder = Folder::new();
     folder.write(
         "room.xml",
@@ -28,7 +28,7 @@ fn picture(folder: &Folder, name: &str) -> String {
 
 #[test]
 fn each_frame_has_a_file_a_seed_and_the_guide_of_the_frame_before() {
-    let folder = brightening();
+    let folder = turning();
     frames(&folder, "40", &["--frames", "1-3", "-o", "kept.####.exr", "--guide-out", "last.guide"]);
     frames(&folder, "40", &["--frames", "1-3", "-o", "again.####.exr"]);
     frames(&folder, "40", &["--frames", "1-3", "--fresh-guide", "-o", "fresh.####.exr"]);
@@ -48,7 +48,7 @@ fn each_frame_has_a_file_a_seed_and_the_guide_of_the_frame_before() {
 /// A frame that begins with the guide of a key frame does not depend on the other frames of its command.
 #[test]
 fn any_number_of_machines_gives_the_same_bits() {
-    let folder = brightening();
+    let folder = turning();
     frames(&folder, "1000", &["--frames", "2", "-o", "key.#.exr", "--guide-out", "key.guide"]);
     let chunk = |frames_of: &str, name: &str| {
         let picture = format!("{name}.#.exr");
@@ -76,26 +76,65 @@ fn scenes_are_numbered_and_frames_stay_where_a_later_one_fails() {
 
 #[test]
 fn what_frames_cannot_have_is_refused() {
-    let folder = brightening();
+    let folder = turning();
     let refused = |more: &[&str], code: i32, words: &[&str]| {
         assert_sentence(&folder.run(&[&["render", "room.xml", "--quiet"], more].concat()), code, words);
     };
-    let turning = ["--frames", "1-2", "-D", "turn=$frame"];
-    let with = |more: &[&'static str]| [&turning[..], more].concat();
-    for option in ["checkpoint", "stats", "profile", "reference", "display-server"] {
-        let value = if option == "display-server" { "127.0.0.1:1" } else { "a" };
+    let with_frames = ["--frames", "1-2", "-D", "turn=$frame"];
+    let with = |more: &[&'static str]| [&with_frames[..], more].concat();
+    for option in ["checkpoint", "stats", "profile", "reference", "view", "display-server"] {
+        let value = if matches!(option, "view" | "display-server") { "127.0.0.1:1" } else { "a" };
         let option = format!("--{option}={value}");
         let name = option.split('=').next().unwrap();
-        refused(&[&turning[..], &[&option]].concat(), 1, &["--frames makes several pictures", name, "is for one"]);
+        refused(&[&with_frames[..], &[&option]].concat(), 1, &["--frames makes several pictures", name, "is for one"]);
     }
     refused(&with(&["--camera", "all"]), 1, &["--frames and --camera all"]);
     refused(&with(&["-o", "a.exr"]), 1, &["a.exr: all frames would be written into it; write #### in its name"]);
     refused(&with(&["--seed", "4294967295"]), 1, &["frame 1 has the seed 4294967295 + 1", "smaller --seed"]);
     refused(&["--frames", "1-2"], 1, &["room.xml: each frame would be the same picture", "####", "$frame"]);
+    refused(&with(&["--guide-out", "missing/last.guide"]), 1, &["missing/last.guide"]);
+    assert_eq!(folder.names(), ["room.xml", "scene.xml"], "nothing is rendered before");
     refused(&["--frames", "1-2", "-D", "turn=$frame/0"], 1, &["a number follows $frame* and $frame/"]);
     refused(&["--frames", "2-1"], 2, &["--frames", "1-250"]);
     refused(&["--fresh-guide"], 2, &["--frames"]);
     let output =
-        folder.command(&[&["render", "room.xml"], &turning[..]].concat()).env("OMPI_COMM_WORLD_SIZE", "2").output();
+        folder.command(&[&["render", "room.xml"], &with_frames[..]].concat()).env("OMPI_COMM_WORLD_SIZE", "2").output();
     assert_sentence(&output.unwrap(), 1, &["--frames", "several processes"]);
+}
+
+/// Frames whose samples a guide has learned from are told before the first one is rendered.
+#[test]
+fn seeds_of_the_guide_are_refused_at_once() {
+    let folder = turning();
+    frames(&folder, "40", &["--frames", "2", "-o", "key.#.exr", "--guide-out", "key.guide"]);
+    let again = ["render", "room.xml", "-D", "turn=$frame", "--frames", "1-3", "--spp", "8", "--seed", "40", "--quiet"];
+    let output = folder.run(&[&again[..], &["--guide", "key.guide"]].concat());
+    assert_sentence(&output, 1, &["key.guide: the guide has learned from the seed 42, which frame 2 would have"]);
+    assert!(!folder.path("room.0001.exr").exists());
+}
+
+#[test]
+fn a_log_of_frames_is_json() {
+    let folder = turning();
+    let log = ["render", "room.xml", "-D", "turn=$frame", "--frames", "1-2", "--spp", "4", "--log", "json"];
+    let output = folder.run(&log);
+    let lines = String::from_utf8(output.stderr).unwrap();
+    let events: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).expect(line)).collect();
+    assert_eq!(events.iter().filter(|event| event["event"] == "end").count(), 2, "{lines}");
+    assert!(events.iter().any(|event| event["message"] == "frame 2, 2 of 2"), "{lines}");
+}
+
+/// Ctrl-C ends all frames. The frames so far and the guide of the last one stay.
+#[test]
+fn an_interrupt_ends_all_frames() {
+    let folder = turning();
+    let size = ["--width", "32", "--height", "32", "--spp", "64", "-o", "out.#.exr", "--guide-out", "last.guide"];
+    let of_many = ["render", "room.xml", "-D", "turn=$frame*0.001", "--frames", "1-9999"];
+    let running = folder.start(&[&of_many[..], &size].concat());
+    wait_until(|| folder.path("out.3.exr").exists().then_some(()));
+    running.signal("INT");
+    let (code, said) = running.wait();
+    assert_eq!(code, Some(130), "{said}");
+    assert!(said.matches("stopping at the next chance").count() <= 1, "{said}");
+    assert!(folder.path("last.guide").exists() && !folder.path("out.9999.exr").exists());
 }

@@ -568,7 +568,7 @@ fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result
 }
 
 /// Name of the scene: the file's stem, or its folder's name where the stem is `scene`.
-fn scene_name(path: &Path) -> String {
+pub fn scene_name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
     let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let folder = canonical.parent().and_then(Path::file_name).filter(|_| stem == "scene");

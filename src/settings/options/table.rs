@@ -302,8 +302,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Render several frames, such as 1-250, 1-250:2 or 1,5,9",
-        long: "The frame's number stands for #### in the names of the scene and of the pictures, and for $frame in values of -D; $frame*N and \
-               $frame/N are its product and quotient with a number. The seed of a frame is --seed plus its number. Each frame begins with the \
+        long: "The frame's number stands for #### in the names of the scene and of the pictures, and for $frame in values of -D, which stand in \
+               single quotes; $frame*N and $frame/N are its product and quotient with a number. The seed of a frame is --seed plus its number. Each frame begins with the \
                guide of the frame before.",
         form: Form::FRAMES,
         resume: Resume::Fixed,
