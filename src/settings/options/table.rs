@@ -298,7 +298,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         form: Form::TIME,
         requires: &["checkpoint"],
         keyword: Keyword::RenderAndResume,
-        ..of_files(Everyone, "checkpoint-every", "TIME")
+        ..of_files(Curious, "checkpoint-every", "TIME")
     },
     OptionEntry {
         short: "Render several frames, such as 1-250, 1-250:2 or 1,5,9",
