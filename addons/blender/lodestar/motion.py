@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from typing import Any, Optional
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
@@ -17,7 +17,8 @@ FrameSet = Callable[[int, float], None]
 MOST_STEPS = 4
 # Most that a key may amplify roundings: half of what the renderer allows.
 MOST_AMPLIFICATION = 500.0
-CAMERA = "camera"
+# Identity of the camera. Those of instances begin with "object" or "instance", whatever their names are.
+CAMERA = ("camera",)
 
 
 class Shutter:
@@ -57,11 +58,11 @@ def shutter(depsgraph: Any, frame_set: FrameSet, report: Report) -> Optional[Shu
 
 
 def identity(instance: Any) -> Hashable:
-    """Name of an instance, which it has at all times."""
+    """What tells an instance from all others, at all times."""
     owner = instance.object
     if not instance.is_instance:
-        return owner.name_full
-    return owner.name_full, instance.parent.name_full, tuple(instance.persistent_id)
+        return "object", owner.name_full
+    return "instance", owner.name_full, instance.parent.name_full, tuple(instance.persistent_id)
 
 
 def key_times(owner: Any, parent: Any, report: Report) -> list[float]:
@@ -84,8 +85,11 @@ class Motions:
         self._depsgraph, self._camera, self._report = depsgraph, camera, report
         self._times: dict[Hashable, list[float]] = {}
         self._keys: dict[Hashable, dict[float, Any]] = {}
-        # Vertices and lenses of a visited time.
-        self._shapes: dict[str, Any] = {}
+        # Shapes and lenses when the shutter opens.
+        self._first: dict[Hashable, _Shape] = {}
+        # Shapes of the visited time by the pointers of their data, and whether a pair of both times is equal.
+        self._shapes: dict[int, _Shape] = {}
+        self._equal: dict[tuple[int, int], bool] = {}
 
     def record(self, open_shutter: Shutter) -> None:
         """Visits the times of the shutter, and leaves the scene at the middle."""
@@ -98,7 +102,8 @@ class Motions:
             pending = (pending | {time for times in self._times.values() for time in times}) - done
         open_shutter.go(0.5)
         self._keys = {name: keys for name, keys in self._keys.items() if any(key != keys[min(keys)] for key in keys.values())}
-        self._shapes.clear()
+        for each in (self._first, self._shapes, self._equal):
+            each.clear()
 
     def __bool__(self) -> bool:
         return bool(self._keys)
@@ -114,6 +119,7 @@ class Motions:
         return Course(matrix)
 
     def _visit(self, time: float) -> None:
+        self._shapes.clear()
         for instance in self._depsgraph.object_instances:
             owner = instance.object
             if instance.show_self and owner.type in ("MESH", "LIGHT"):
@@ -128,12 +134,26 @@ class Motions:
         if time in self._times[name]:
             self._keys.setdefault(name, {})[time] = matrix.copy()
             if time in (0.0, 1.0):
-                self._compare(owner)
+                self._compare(name, owner, time)
 
-    def _compare(self, owner: Any) -> None:
-        """Reports a shape or a lens that differs from that of another time."""
-        found = _shape(owner)
-        if found is None or np.array_equal(found, self._shapes.setdefault(owner.name_full, found)):
+    def _compare(self, name: Hashable, owner: Any, time: float) -> None:
+        """Reports a shape or a lens that is another when the shutter closes than when it opens."""
+        if not _may_change(owner):
+            return
+        pointer = owner.data.as_pointer()
+        if pointer not in self._shapes:
+            self._shapes[pointer] = _Shape(pointer, _numbers(owner))
+        found = self._shapes[pointer]
+        if time == 0.0:
+            self._first[name] = found
+            return
+        first = self._first.get(name)
+        if first is None:
+            return
+        pair = first.pointer, found.pointer
+        if pair not in self._equal:
+            self._equal[pair] = np.array_equal(first.numbers, found.numbers)
+        if self._equal[pair]:
             return
         if owner.type == "CAMERA":
             self._report.warn(f'camera "{owner.name}"', "its lens changes while the shutter is open, which is not supported")
@@ -142,15 +162,27 @@ class Motions:
             self._report.warn(f'object "{owner.name}"', message)
 
 
-def _shape(owner: Any) -> Optional[np.ndarray]:
-    """Numbers of what cannot move by itself; None where nothing changes it."""
+class _Shape(NamedTuple):
+    """Shape of a mesh, or lens of a camera."""
+
+    pointer: int
+    numbers: np.ndarray
+
+
+def _may_change(owner: Any) -> bool:
+    """Whether something may change an object's shape or lens."""
+    if owner.type == "CAMERA":
+        return True
+    original = owner.original
+    is_plain = original.type == "MESH" and not original.modifiers and getattr(original.data, "shape_keys", None) is None
+    return owner.type == "MESH" and not is_plain and getattr(getattr(owner, "cycles", None), "use_deform_motion", True)
+
+
+def _numbers(owner: Any) -> np.ndarray:
+    """Numbers of a camera's lens, or the vertices of a mesh."""
     data = owner.data
     if owner.type == "CAMERA":
         return np.array([data.lens, data.ortho_scale, data.sensor_width, data.shift_x, data.shift_y])
-    original = owner.original
-    is_plain = original.type == "MESH" and not original.modifiers and getattr(original.data, "shape_keys", None) is None
-    if owner.type != "MESH" or is_plain or not getattr(getattr(owner, "cycles", None), "use_deform_motion", True):
-        return None
     points = np.empty(3 * len(data.vertices), np.float32)
     data.vertices.foreach_get("co", points)
     return points

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import scenes
 import support
-from lodestar import export
+from lodestar import export, motion
 
 
 def drive(owner: Any, path: str, index: int, expression: str) -> None:
@@ -90,6 +90,67 @@ def test_instances_and_steps(tmp_path: Path) -> None:
     _, root = exported(tmp_path)
     assert [len(motion) for motion in keys(root)] == [5, 9]
     assert len([shape for shape in root.findall("shape") if shape.get("type") == "instance"]) == 3
+
+
+def test_an_object_that_is_named_camera_stands(tmp_path: Path) -> None:
+    """Only the camera moves, and neither takes the keys of the other."""
+    scene = base()
+    drive(scene.camera, "location", 0, "2 * frame")
+    scene.camera.name = "eye"
+    scenes.ball(scene, "camera", 0.6, scenes.diffuse("red", (0.7, 0.2, 0.2)), location=(0.25, 0, 0.6))
+    found, root = exported(tmp_path)
+    assert found.report.warnings == []
+    assert keys(root) == [[pytest.approx(pair) for pair in zip((0.0, 0.5, 1.0), (9.0, 10.0, 11.0))]]
+    assert root.find("sensor").find("animation") is not None
+    matrices = [shape.find("transform/matrix").get("value").split() for shape in root.findall("shape")]
+    assert sorted(float(matrix[3]) for matrix in matrices) == [0.0, 0.25]
+
+
+def two_meshes(scene: Any) -> Any:
+    """Geometry nodes of one object that show a cube and a sphere at each of 20 points."""
+    group = bpy.data.node_groups.new("two meshes", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    start, end, join = (group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeJoinGeometry"))
+    for kind in ("GeometryNodeMeshCube", "GeometryNodeMeshUVSphere"):
+        mesh, shown = group.nodes.new(kind), group.nodes.new("GeometryNodeInstanceOnPoints")
+        group.links.new(start.outputs[0], shown.inputs["Points"])
+        group.links.new(mesh.outputs[0], shown.inputs["Instance"])
+        group.links.new(shown.outputs[0], join.inputs[0])
+    group.links.new(join.outputs[0], end.inputs[0])
+    points = bpy.data.meshes.new("points")
+    points.from_pydata([(at, 0, 0) for at in range(20)], [], [])
+    placed = scenes.add(scene, "points", points)
+    placed.modifiers.new("two meshes", "NODES").node_group = group
+    return placed
+
+
+def test_each_instance_is_compared_with_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two meshes of one object are no change of its shape. The vertices of both, and of the object's own mesh, are read twice: at the
+    start and at the end."""
+    read: list[bool] = []
+    numbers = motion._numbers
+
+    def counted(owner: Any) -> np.ndarray:
+        read.append(owner.type == "MESH")
+        return numbers(owner)
+
+    monkeypatch.setattr(motion, "_numbers", counted)
+    drive(two_meshes(base()), "location", 1, "frame")
+    found, root = exported(tmp_path)
+    assert found.report.warnings == []
+    assert len(keys(root)) == 40 and sum(read) == 6
+
+
+def test_an_instance_that_changes_is_named(tmp_path: Path) -> None:
+    """Geometry nodes that change the mesh that they show in many places."""
+    scene = base()
+    group = two_meshes(scene).modifiers[0].node_group
+    cube = next(node for node in group.nodes if node.bl_idname == "GeometryNodeMeshCube")
+    curve = cube.inputs["Size"].driver_add("default_value", 0)
+    curve.driver.expression = "frame"
+    found, _ = exported(tmp_path)
+    assert len(found.report.warnings) == 1 and found.report.warnings[0].startswith('object "points": its shape changes')
 
 
 def warnings_of(change: Callable[[Any], None], folder: Path) -> list[str]:
