@@ -186,7 +186,8 @@ class SingleScattering:
 
     def _density(self, distance: np.ndarray) -> np.ndarray:
         """Densities of molecules, aerosols and ozone at distances from the planet's center."""
-        h = distance - self.PLANET
+        # Where the planet hides the sun, the path to the sun goes through the planet.
+        h = np.maximum(distance - self.PLANET, 0.0)
         ozone = np.maximum(0.0, 1.0 - np.abs(h - 25e3) / 15e3)
         return np.stack([np.exp(-h / 8e3), np.exp(-h / 1.2e3), ozone], axis=-1)
 
