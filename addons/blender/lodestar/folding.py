@@ -6,6 +6,13 @@ import math
 from collections.abc import Callable
 
 Vector = tuple[float, float, float]
+# Largest number in single precision.
+LARGEST = 3.4028234663852886e38
+
+
+def finite(value: float) -> float:
+    """Number that single precision has: the largest stands for all that are larger, and 0 for what is no number."""
+    return 0.0 if math.isnan(value) else min(max(value, -LARGEST), LARGEST)
 
 
 def _each(function: Callable[..., float]) -> Callable[..., Vector]:
@@ -20,14 +27,17 @@ def _power(a: float, b: float) -> float:
         return 1.0
     if a == 0.0 or (a < 0.0 and b != math.floor(b)):
         return 0.0
-    return math.pow(a, b)
+    try:
+        return math.pow(a, b)
+    except OverflowError:
+        return -LARGEST if a < 0.0 and b % 2.0 == 1.0 else LARGEST
 
 
 def _dot(a: Vector, b: Vector) -> Vector:
     return (sum(x * y for x, y in zip(a, b)),) * 3
 
 
-# What is not listed is left to the renderer.
+# What is not listed is left to the renderer. Operands are finite, and values may be larger than `LARGEST`.
 FOLDED: dict[str, Callable[..., Vector]] = {
     "add": _each(lambda a, b: a + b),
     "subtract": _each(lambda a, b: a - b),
@@ -41,7 +51,7 @@ FOLDED: dict[str, Callable[..., Vector]] = {
     "square_root": _each(lambda a: math.sqrt(max(a, 0.0))),
     "floor": _each(math.floor),
     "less": _each(lambda a, b: 1.0 if a < b else 0.0),
-    "exponential": _each(math.exp),
+    "exponential": _each(lambda a: math.exp(min(a, 100.0))),
     "logarithm": _each(lambda a: math.log(a) if a > 0.0 else 0.0),
     "arctangent": _each(math.atan2),
     "mix": _each(lambda a, b, weight: (1.0 - weight) * a + weight * b),

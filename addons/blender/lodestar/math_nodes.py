@@ -9,7 +9,7 @@ from typing import Any, Optional
 from .evaluator import Evaluator, Groups, Handler
 from .programs import (
     Expression, absolute, arctangent, clamp, combine, cosine, cross, dot, exponential, floor, fraction, length, less, logarithm,
-    maximum, minimum, normalized, positive, power, sign, sine, smooth_step, square_root, truncated,
+    maximum, minimum, normalized, positive, power, select, sign, sine, smooth_step, square_root, truncated,
 )
 
 Binary = Callable[..., Expression]
@@ -17,7 +17,7 @@ Binary = Callable[..., Expression]
 
 def _wrapped(value: Expression, high: Expression, low: Expression) -> Expression:
     span = high - low
-    return value - span * floor((value - low) / span)
+    return select(positive(absolute(span)), value - span * floor((value - low) / span), low)
 
 
 def _modulo(a: Expression, b: Expression) -> Expression:

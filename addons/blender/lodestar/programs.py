@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Optional, Union
 
 from . import xml
-from .folding import FOLDED, Vector
+from .folding import FOLDED, Vector, finite
 
 # Rows of an affine map: three of four numbers.
 Rows = tuple[tuple[float, ...], ...]
@@ -87,8 +87,8 @@ class Graph:
         self._nodes: list[tuple[str, dict[str, Any]]] = []
 
     def constant(self, value: Union[float, Sequence[float]]) -> Expression:
-        """Constant expression."""
-        three = tuple(float(v) for v in value[:3]) if isinstance(value, Sequence) else (float(value),) * 3
+        """Constant expression. Its numbers are finite in single precision."""
+        three = tuple(finite(float(v)) for v in value[:3]) if isinstance(value, Sequence) else (finite(float(value)),) * 3
         return Expression(self, None, three)  # type: ignore[arg-type]
 
     def operand(self, value: Operand) -> Expression:
@@ -100,11 +100,7 @@ class Graph:
         inputs = {name: value if isinstance(value, (Expression, int, str, _Matrix)) and not isinstance(value, bool) else
                   self.constant(value) for name, value in inputs.items()}
         if plugin in FOLDED and all(isinstance(v, Expression) and v.is_constant for v in inputs.values()):
-            try:
-                folded = FOLDED[plugin](*(v.constant for v in inputs.values()))
-            except (OverflowError, ValueError):
-                folded = (0.0, 0.0, 0.0)
-            return self.constant(folded)
+            return self.constant(FOLDED[plugin](*(v.constant for v in inputs.values())))
         if plugin == "component" and inputs["value"].is_constant:
             return self.constant(inputs["value"].constant[inputs["index"]])
         return self._simple(plugin, inputs) or self._node(plugin, inputs)
@@ -150,10 +146,13 @@ class Graph:
         """Operation of a node."""
         return self._nodes[node][0]
 
+    def operands(self, node: int) -> dict[str, Expression]:
+        """Inputs of a node by their names."""
+        return {name: value for name, value in self._nodes[node][1].items() if isinstance(value, Expression)}
+
     def inputs(self, node: int) -> list[int]:
         """Nodes that a node takes its inputs from."""
-        values = self._nodes[node][1].values()
-        return [value.node for value in values if isinstance(value, Expression) and value.node is not None]
+        return [value.node for value in self.operands(node).values() if value.node is not None]
 
     # ------------------------------------------------------------------------------------------------------ text
 

@@ -162,11 +162,32 @@ def large_graph(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=value).outputs[0]
 
 
-def test_graphs_that_are_too_large_are_named(tmp_path: Path) -> None:
-    minimal(lambda: scenes.material("large", large_graph))
+def graph_of_vectors(tree: Any) -> Any:
+    """A chain of 65 noises whose W and Detail are computed. The renderer makes a vector of both by another operation for each noise."""
+    geometry, separate = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(geometry.outputs["Position"], separate.inputs[0])
+    value = None
+    for at in range(65):
+        noise, shift, add = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexNoise", "Math", "Math"))
+        noise.noise_dimensions, noise.inputs["Scale"].default_value, shift.inputs[1].default_value = "4D", 1.0, at + 1.0
+        tree.links.new(separate.outputs[0], shift.inputs[0])
+        for name, output in (("Vector", geometry.outputs["Position"]), ("W", shift.outputs[0]), ("Detail", separate.outputs[1])):
+            tree.links.new(output, noise.inputs[name])
+        tree.links.new(noise.outputs[0], add.inputs[0])
+        if value is not None:
+            tree.links.new(value, add.inputs[1])
+        value = add.outputs[0]
+    return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=value).outputs[0]
+
+
+@pytest.mark.parametrize("build", [large_graph, graph_of_vectors], ids=lambda build: build.__name__)
+def test_graphs_that_are_too_large_are_named(tmp_path: Path, build: Any) -> None:
+    """The report names the socket, and the program takes the scene."""
+    scene = minimal(lambda: scenes.material("large", build))
     found = exported(tmp_path)
     assert "needs more than 256 operations; Color takes its default value" in found.report
-    assert "noise_3d" not in found.scene_file.read_text()
+    assert 'type="noise_' not in found.scene_file.read_text()
+    support.render(scene, "LODESTAR", 1, "too-large")
 
 
 def test_each_object_has_its_own_coordinates(tmp_path: Path) -> None:
