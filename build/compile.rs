@@ -48,7 +48,7 @@ pub fn compile(root: &Path, file: &str, macros: &[&str], written: &Path) -> Resu
     Ok(artifact.as_binary_u8().to_vec())
 }
 
-/// What tells one compiler from another: its options here, the version of its crate, and the library of the system, if there is one.
+/// Identity of the compiler: its options here, the version of its crate, and the library of the system, if there is one.
 fn compiler_identity() -> String {
     let of_crate = VERSIONS.split("[[package]]").find(|package| package.contains("\nname = \"shaderc-sys\"\n"));
     let libraries = env::var_os("SHADERC_LIB_DIR").and_then(|folder| fs::read_dir(folder).ok());
