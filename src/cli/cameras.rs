@@ -9,7 +9,7 @@ use lodestar::{Error, Result};
 
 use super::console::Console;
 use super::interrupt::Interrupt;
-use super::render::{Kept, RenderArgs, check_several, options, render_one};
+use super::render::{RenderArgs, check_several, options, render_one};
 
 /// Value of `--camera` that asks for all of them.
 pub const ALL: &str = "all";
@@ -48,7 +48,7 @@ pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
         let pictures = if files.pictures.is_empty() { &default[..] } else { &files.pictures };
         let pictures = pictures.iter().map(|picture| named(picture, name)).collect();
         let options = options.clone().files(OutputFiles { pictures, ..files.clone() });
-        let code = render_one(Start::Anew(input), &options, &console, &interrupt, &mut Kept::default())?;
+        let code = render_one(Start::Anew(input), &options, &console, &interrupt, None)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }

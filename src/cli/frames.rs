@@ -45,7 +45,7 @@ pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
     // Indices and names of several devices have commas between them.
     let has_one_device = given.device().is_none_or(|device| device != "all" && !device.contains(','));
     let mut options = options(given);
-    let mut kept = Kept { is_wanted: true, ..Kept::default() };
+    let mut kept = Kept::default();
     for (index, ((&frame, seed), console)) in frames.iter().zip(seeds).zip(consoles).enumerate() {
         if interrupt.is_raised() {
             break;
@@ -61,7 +61,7 @@ pub fn render_all(args: RenderArgs) -> Result<ExitCode> {
             ..files.clone()
         };
         let of_frame = options.clone().files(files).seed(seed);
-        let rendered = render_one(Start::Anew(input), &of_frame, &console, &interrupt, &mut kept);
+        let rendered = render_one(Start::Anew(input), &of_frame, &console, &interrupt, Some(&mut kept));
         match (keeps_guide, &kept.guide) {
             // The guide of the frame before has all that the file knows.
             (true, Some(_)) => options = options.without_guide(),

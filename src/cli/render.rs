@@ -62,8 +62,6 @@ pub fn check_several(given: &Given<OfRender>, asked: &str, of_one: &[&str], reme
 /// What one render leaves to the next one.
 #[derive(Default)]
 pub struct Kept {
-    /// Whether there is a next render, which takes the rest.
-    pub is_wanted: bool,
     /// What the guide has learned. The next render begins with it.
     pub guide: Option<LearnedGuide>,
     /// The device, which stays open.
@@ -77,9 +75,8 @@ pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &
     if exchange.is_some_and(|exchange| exchange.rank() > 0) {
         return serve(start, options);
     }
-    let mut kept = Kept::default();
     let interrupt = Interrupt::catch(console.is_talking());
-    ended(interrupt.and_then(|it| render_watched(start, options, console, viewers, &it, &mut kept)), console)
+    ended(interrupt.and_then(|interrupt| render_watched(start, options, console, viewers, &interrupt, None)), console)
 }
 
 /// Renders one of several pictures as [`render`] does, with the signals of all of them and what the picture before has left in `kept`.
@@ -88,7 +85,7 @@ pub fn render_one(
     options: &Options,
     console: &Console,
     interrupt: &Interrupt,
-    kept: &mut Kept,
+    kept: Option<&mut Kept>,
 ) -> Result<ExitCode> {
     ended(render_watched(start, options, console, &ViewOptions::default(), interrupt, kept), console)
 }
@@ -113,7 +110,7 @@ fn render_watched(
     console: &Console,
     viewers: &ViewOptions,
     interrupt: &Interrupt,
-    kept: &mut Kept,
+    kept: Option<&mut Kept>,
 ) -> Result<ExitCode> {
     let viewers = Viewers::start(viewers)?;
     viewers.url().iter().for_each(|url| console.tell_address(url));
@@ -123,16 +120,15 @@ fn render_watched(
     };
     let watch = Watch { stop: &|| interrupt.is_raised() || viewers.is_stopped(), events: &show };
     let mut session = Session::start(start, options, &watch)?;
-    if let Some(guide) = &kept.guide {
+    if let Some(guide) = kept.as_ref().and_then(|kept| kept.guide.as_ref()) {
         session.begin_with_guide(guide)?;
     }
     let finished = session.run_watched(&watch, |session| viewers.after_step(session, &watch));
     viewers.finish(&session, &watch);
     let printed = session.profile().map_or(Ok(()), |profile| print_line(profile.table().trim_end()));
     finished.and(printed)?;
-    if kept.is_wanted {
-        kept.guide = session.learned_guide().ok();
-        kept.context = Some(Arc::clone(session.context()));
+    if let Some(kept) = kept {
+        *kept = Kept { guide: session.learned_guide().ok(), context: Some(Arc::clone(session.context())) };
     }
     Ok(interrupt.exit_code())
 }

@@ -101,21 +101,6 @@ fn a_guide_is_a_file_for_any_camera_and_size() {
         let first = with_guide();
         assert!(first == with_guide());
         assert!(first != guided(&folder, scene, size), "the first step follows no guide");
-        let quiet = [
-            "render",
-            scene,
-            "--spp",
-            "8",
-            "--seed",
-            "3",
-            "--quiet",
-            "--guide",
-            "1.guide",
-            "--overwrite",
-            "-o",
-            "guided.exr",
-        ];
-        assert_quiet_success(&folder.run(&[&quiet, size].concat()));
     }
     // A checkpoint is taken for another camera, too.
     folder.render(&["--spp", "16", "--seed", "1", "--checkpoint", "a.ckpt"]);
@@ -132,27 +117,17 @@ fn a_guide_is_a_file_for_any_camera_and_size() {
 #[test]
 fn a_guide_of_another_scene_is_taken_with_a_warning() {
     let folder = with_guides();
-    let guide = [
-        "render",
-        "scene.xml",
-        "--spp",
-        "8",
-        "--seed",
-        "3",
-        "--quiet",
-        "--guide",
-        "1.guide",
-        "--overwrite",
-        "-o",
-        "a.exr",
-    ];
-    let output = folder.run(&[&guide[..], &["-D", "gray=0.25"]].concat());
+    let guided = |scene: &str, more: &[&str]| {
+        let common = ["render", scene, "--spp", "8", "--seed", "3", "--quiet", "--guide", "1.guide", "--overwrite"];
+        folder.run(&[&common[..], more].concat())
+    };
+    let output = guided("scene.xml", &["-D", "gray=0.25"]);
     assert!(output.status.success());
     let said = String::from_utf8_lossy(&output.stderr);
     let words = ["warning: 1.guide: its guide was learned in another scene, ", "the same bounds", "stays unbiased"];
     assert!(said.lines().count() == 1 && words.iter().all(|word| said.contains(word)), "{said}");
     folder.write("moved.xml", &SCENE.replace("z=\"5\"", "z=\"6\""));
-    let output = folder.run(&[&["render", "moved.xml"], &guide[2..]].concat());
+    let output = guided("moved.xml", &[]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
         output.status.success()

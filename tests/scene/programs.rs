@@ -121,6 +121,7 @@ fn what_is_refused() {
     let nested =
         |plugin: &str, inside: &str| of(&format!(r#"<texture name="reflectance" type="{plugin}">{inside}</texture>"#));
     let itself = r#"<texture name="a" type="add" id="t"><ref name="a" id="t"/><float name="b" value="1"/></texture>"#;
+    let too_many = "0 ".repeat(3 * 1025);
     let emission = r#"<shape type="disk"><emitter type="area"><texture name="radiance" type="fbm"/></emitter></shape>"#;
     for (body, expected) in [
         (nested("mix", itself), "contains itself, directly or through others"),
@@ -131,6 +132,10 @@ fn what_is_refused() {
         (
             nested("table", r#"<texture name="value" type="uv"/><string name="values" value="0 1"/>"#),
             "three for each of its entries",
+        ),
+        (
+            nested("table", &format!(r#"<texture name="value" type="uv"/><string name="values" value="{too_many}"/>"#)),
+            "of which there are at most 1024",
         ),
         (
             nested("table", r#"<texture name="value" type="uv"/><string name="values" value="0 nan 1"/>"#),

@@ -33,7 +33,7 @@ const MAX_DEPTH: usize = 256;
 const MAX_NODES: usize = 16 * MAX_PROGRAM_LENGTH as usize;
 
 /// Most entries of a table.
-const MAX_ENTRIES: usize = 65_536;
+const MAX_ENTRIES: usize = 1024;
 
 /// Value of a texture that is computed.
 pub(super) enum Computed {
