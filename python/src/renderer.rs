@@ -53,6 +53,10 @@ impl Shared {
             }
             let session = self.session();
             let scene = self.subject.scene()?;
+            let scene = match *session.camera() {
+                camera if camera == scene.camera => scene,
+                camera => Arc::new(lodestar::Scene { camera, camera_motion: None, ..(*scene).clone() }),
+            };
             let bvh = Bvh::of_scene(&scene);
             let place = MappedScene { context: session.context(), scene: &scene, bvh: &bvh };
             let point = place.visible_point(session.settings(), [pixel.0, pixel.1])?;
@@ -312,6 +316,25 @@ impl Renderer {
         self.picture_with(py, None)
     }
 
+    /// Shows the scene from now on by another camera, which stands still. The guide stays, so the first samples are guided already. The
+    /// picture and all counters begin anew, and the seed becomes the next one of which the guide has learned from no sample, so that the
+    /// picture stays unbiased. The same changes give the same bits.
+    ///
+    /// Parameters
+    /// ----------
+    /// camera : dict or Scene
+    ///     A sensor of Mitsuba's dictionary, such as `{"type": "perspective", "fov": 40, "to_world": transform}`, or a scene whose camera
+    ///     is taken. The film of either is left out.
+    fn set_camera(&self, camera: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (py, camera) = (camera.py(), scene::camera_of(camera)?);
+        self.change_view(py, |session| session.set_camera(&camera))
+    }
+
+    /// Renders from now on a film of another size in pixels. The guide stays; everything else begins anew, as for `set_camera`.
+    fn set_size(&self, py: Python<'_>, width: u32, height: u32) -> PyResult<()> {
+        self.change_view(py, |session| session.set_size(width, height))
+    }
+
     /// Writes a checkpoint of the render so far, from which `lodestar.resume` goes on to the same bits. The scene must have been
     /// read from a file, and every step must have had the length of the guide's schedule (`step()`).
     fn checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
@@ -382,6 +405,17 @@ impl Renderer {
 }
 
 impl Renderer {
+    /// Changes the view. The surfaces that pixels showed are forgotten.
+    fn change_view(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut Session) -> lodestar::Result<()> + Send,
+    ) -> PyResult<()> {
+        self.0.with(py, change)?.map_err(raised)?;
+        lock(&self.0.points).clear();
+        Ok(())
+    }
+
     fn has_samples(&self, py: Python<'_>) -> PyResult<bool> {
         let picture = self.0.with(py, |session| session.picture())?.map_err(raised)?;
         Ok(picture.sample_count.iter().any(|&count| count > 0))

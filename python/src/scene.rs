@@ -57,7 +57,7 @@ impl Subject {
             return Ok(Self { scene: Some(Arc::clone(scene)), file: file.clone() });
         }
         if scene.cast::<PyMapping>().is_ok() {
-            let scene = from_dictionary(scene)?;
+            let scene = from_dictionary(scene, true)?;
             return Ok(Self { scene: Some(scene.scene), file: None });
         }
         path_of(scene).map(|path| Self { scene: None, file: Some(SceneFile { path, options: LoadOptions::default() }) })
@@ -123,11 +123,31 @@ pub fn path_of(value: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
     })
 }
 
-fn from_dictionary(value: &Bound<'_, PyAny>) -> PyResult<Scene> {
+/// The camera that an argument stands for: a sensor of a dictionary, or that of a `Scene`.
+pub fn camera_of(value: &Bound<'_, PyAny>) -> PyResult<lodestar::scene::Camera> {
+    let py = value.py();
+    if let Ok(scene) = value.cast::<Scene>() {
+        return Ok(scene.get().scene.camera);
+    }
+    if value.cast::<PyMapping>().is_err() {
+        let message =
+            "`camera` is a dictionary of a sensor, such as {\"type\": \"perspective\"}, or a scene with the camera";
+        return Err(PyTypeError::new_err(message));
+    }
+    let scene = PyDict::new(py);
+    scene.set_item("type", "scene")?;
+    scene.set_item("camera", value)?;
+    Ok(from_dictionary(scene.as_any(), false)?.scene.camera)
+}
+
+/// A scene of a dictionary. `warns` whether Python shows its warnings.
+fn from_dictionary(value: &Bound<'_, PyAny>, warns: bool) -> PyResult<Scene> {
     let py = value.py();
     let dictionary = scene_dictionary(value)?;
     let scene = detached(py, || lodestar::Scene::from_dictionary(&dictionary))?.map_err(raised)?;
-    warn(py, &scene.warnings)?;
+    if warns {
+        warn(py, &scene.warnings)?;
+    }
     Ok(Scene { scene: Arc::new(scene), file: None })
 }
 
@@ -167,7 +187,7 @@ pub fn load(
             return Err(refused("a dictionary has no <default> values to replace; write them into the dictionary"));
         }
         choices.refuse_for(scene)?;
-        return from_dictionary(scene);
+        return from_dictionary(scene, true);
     }
     let path = path_of(scene)?;
     let options = LoadOptions { defines: pairs(defines)?, ..choices.options()? };

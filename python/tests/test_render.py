@@ -381,6 +381,34 @@ def test_guides_that_do_not_fit_are_refused(room_scene):
         lodestar.Renderer(room_scene, seed=1, directions=16, guide=second.guide)
 
 
+def test_the_camera_changes_and_the_guide_stays(room_scene):
+    settings = {"nee": False, "directions": 16}
+    look_at = lodestar.ScalarTransform4f().look_at(origin=[1, 1.2, 3], target=[0, 0.8, 0], up=[0, 1, 0])
+    camera = {**room_scene["sensor"], "fov": 50.0, "to_world": look_at}
+    other = lodestar.load({**room_scene, "sensor": camera})
+    pictures = []
+    for changed in (camera, other):
+        renderer = lodestar.Renderer(room_scene, seed=1, width=32, height=24, **settings)
+        renderer.step(8)
+        guide, before = renderer.guide, renderer.guide.surface_at((16, 22))
+        renderer.set_camera(changed)
+        renderer.set_size(24, 20)
+        assert renderer.samples == 0 and (renderer.guide.radiance == guide.radiance).all()
+        assert renderer.guide.surface_at((16, 18)) != before
+        renderer.step(8)
+        pictures.append(renderer.picture().radiance)
+    anew = lodestar.Renderer(other, seed=2, width=24, height=20, guide=guide, **settings)
+    anew.step(8)
+    pictures.append(anew.picture().radiance)
+    assert (pictures[0] == pictures[1]).all() and (pictures[0] == pictures[2]).all()
+    with pytest.raises(TypeError, match="dictionary of a sensor"):
+        renderer.set_camera(3)
+    with pytest.raises(lodestar.Error, match="between 0 and 180|fov"):
+        renderer.set_camera({**camera, "fov": 200.0})
+    with pytest.raises(lodestar.Error, match="width"):
+        renderer.set_size(0, 4)
+
+
 def test_a_guide_is_a_file(room_scene, tmp_path):
     renderer = lodestar.Renderer(room_scene, seed=1, directions=16)
     with pytest.raises(lodestar.Error, match="learned nothing yet"):

@@ -34,6 +34,8 @@ pub struct QueryGeometry {
     pub boxes: Vec<[[f32; 3]; 2]>,
     /// Index of the first element of each part, in the order of the fields above, then the primitive of each element.
     pub elements: Vec<u32>,
+    /// Length of the rays for which the margin is chosen.
+    pub reach: f64,
 }
 
 impl QueryGeometry {
@@ -43,7 +45,7 @@ impl QueryGeometry {
         let (low, high) = (bvh.bounds.0.min(eye).as_dvec3(), bvh.bounds.1.max(eye).as_dvec3());
         let reach = (high - low).length().min(MOST_REACH * usual);
         let mut places: [Vec<u32>; 3] = Default::default();
-        let mut geometry = Self::default();
+        let mut geometry = Self { reach, ..Self::default() };
         geometry.opaque.reserve(bvh.primitives.len());
         places[0].reserve(bvh.primitives.len());
         // The hierarchy has several boxes for some triangles, and a record for each.

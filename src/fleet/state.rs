@@ -1,12 +1,13 @@
 //! States and guides of a fleet: every device begins with them, and the first one gathers them.
 
-use crate::Result;
 use crate::film::ranges::SampleRanges;
 use crate::fleet::Fleet;
 use crate::fleet::command::{Command, lead};
 use crate::renderer::RenderState;
 use crate::renderer::guide_state::GuideState;
 use crate::renderer::learned_guide::LearnedGuide;
+use crate::scene::Camera;
+use crate::{Error, Result};
 
 impl Fleet {
     /// Reads back what complete steps have left, as one device would have it.
@@ -74,6 +75,24 @@ impl Fleet {
             Some(_) => self.restore(&self.first.state()?),
             None => Ok(()),
         }
+    }
+
+    /// Shows the scene by another camera or on a film of another size on all devices, as
+    /// [`Renderer::change_view`](crate::renderer::Renderer::change_view) does on one.
+    ///
+    /// # Errors
+    /// Where [`Renderer::change_view`](crate::renderer::Renderer::change_view) fails, or ranks share the render.
+    pub fn change_view(&mut self, camera: &Camera, size: [u32; 2]) -> Result<()> {
+        if self.team.is_some() {
+            let message = "ranks that share a render cannot change its camera or its size; begin another render";
+            return Err(Error::Settings(message.into()));
+        }
+        let view = self.first.another_view(camera, size)?;
+        self.all_mut().try_for_each(|device| device.change_view_to(&view))?;
+        if self.is_alone() {
+            return Ok(());
+        }
+        self.all().zip(self.shares()).try_for_each(|(device, &share)| device.deal(share))
     }
 
     /// Notes the samples of earlier renders that a restored guide has learned from.

@@ -283,7 +283,7 @@ impl Renderer {
     }
 
     /// Memory of the device that the guide has between two steps.
-    fn guide_parts(&self) -> Vec<Persistent<'_>> {
+    pub(super) fn guide_parts(&self) -> Vec<Persistent<'_>> {
         let radiance = self.sets.radiance_grid.persistent().into_iter();
         radiance.chain(self.sets.normalization_grid.persistent()).collect()
     }

@@ -51,6 +51,32 @@ impl MemoryNeeds {
         }
     }
 
+    /// Needs of the same render with the film of these settings.
+    pub fn with_film(&self, settings: &Settings) -> Self {
+        let mut parts = self.parts;
+        parts[0].bytes = film_bytes(settings);
+        Self { parts, host_bytes: host_film_bytes(settings) }
+    }
+
+    /// Refuses a film that memory cannot hold beside the other parts, which it holds already.
+    pub fn check_film(&self, device: &DeviceInfo, [width, height]: [u32; 2]) -> Result<()> {
+        if device.kind != DeviceKind::Cpu {
+            return self.check(device);
+        }
+        let needed = self.parts[0].bytes.saturating_add(self.host_bytes);
+        match available_memory() {
+            Some(available) if needed > available => {
+                let [needed, available] = [needed, available].map(quoted::size);
+                Err(Error::Settings(format!(
+                    "a film of {width} x {height} pixels needs {needed} of memory, but {available} are free for {}; choose a smaller \
+                     one",
+                    device.name
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses a render that memory cannot hold, before a system without that memory ends the process.
     pub fn check(&self, device: &DeviceInfo) -> Result<()> {
         let on_cpu = device.kind == DeviceKind::Cpu;

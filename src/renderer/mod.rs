@@ -12,9 +12,11 @@
 //! | tracing paths | `trace/` |
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
+//! | another camera or size, with the guide kept | `another_view.rs` |
 //! | state that a later render goes on from | `state.rs`, `restore.rs` |
 //! | guides that later renders begin with | `guide_state.rs`, `learned_guide.rs`, `guide_tables.rs` (for files) |
 
+pub(crate) mod another_view;
 mod film_store;
 mod guide_cells;
 pub(crate) mod guide_state;
@@ -48,7 +50,7 @@ use crate::encode::cells::Cells;
 use crate::film::noise::NoiseReport;
 use crate::film::ranges::SampleRanges;
 use crate::film::{Picture, View};
-use crate::generated::kernels::BackEnd;
+use crate::generated::kernels::{BackEnd, Kernels, Variant};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
@@ -57,7 +59,7 @@ use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
-use crate::scene::Crop;
+use crate::scene::{Camera, Crop};
 use crate::settings::{Settings, Traversal};
 
 /// Renders one scene on one device, step by step.
@@ -71,9 +73,13 @@ pub struct Renderer {
     cells: Cells,
     sets: Sets,
     back_end: BackEnd,
+    /// Kernels of the back end, and the constants with which those that trace are built.
+    kernels: Kernels,
+    variant: Variant,
     needs: MemoryNeeds,
     /// Whether the environment is seen behind the surfaces.
     has_background: bool,
+    camera: Camera,
     view: View,
     /// Samples of earlier renders that the guide has learned from.
     guide_samples: SampleRanges,

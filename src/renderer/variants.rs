@@ -32,11 +32,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         has_placed_spheres: bvh.has_placed_spheres(),
         motion_segments: bvh.motions.most_segments(),
         camera_segments: scene.camera_motion.as_ref().map_or(0, |motion| motion.segments().len() as u32),
-        camera: match scene.camera.projection {
-            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
-            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
-            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
-        },
+        camera: camera_kind(scene.camera.projection),
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
         texture_kinds: shading.surfaces.textures.kinds,
@@ -92,6 +88,15 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         filter_width,
         nee: settings.nee,
         ..Variant::default()
+    }
+}
+
+/// Kind of camera that kernels know for a projection.
+pub(super) fn camera_kind(projection: Projection) -> u32 {
+    match projection {
+        Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+        Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+        Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
     }
 }
 

@@ -67,6 +67,7 @@ impl Scene {
             name: "scene".into(),
             camera,
             cameras: Vec::new(),
+            views: Vec::new(),
             film: FilmDescription { width, height, crop: None, filter: ReconstructionFilter::Box },
             integrator: IntegratorDescription::default(),
             sample_count: None,
@@ -185,13 +186,7 @@ impl Scene {
     /// [`Error::Settings`], naming the camera or the primitive by its index in [`Scene::primitives`].
     pub(crate) fn check(&self) -> Result<()> {
         let refuse = |message: String| Err(Error::Settings(message));
-        let Camera { fov, world_from_camera, .. } = self.camera;
-        if !world_from_camera.is_finite() || !fov.is_finite() {
-            return refuse("the camera has a number that is not finite; give it finite ones".into());
-        }
-        if self.camera.projection == Projection::Perspective && !(fov > 0.0 && fov < 180.0) {
-            return refuse(format!("the camera's field of view is {fov} degrees, but must lie between 0 and 180"));
-        }
+        self.camera.check()?;
         let of_groups = self.groups.iter().flat_map(|group| &group.primitives);
         for (at, primitive) in self.primitives.iter().chain(of_groups.clone()).enumerate() {
             let Primitive { origin, edge_u, edge_v, material, emitter, .. } = *primitive;

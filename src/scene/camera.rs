@@ -1,6 +1,11 @@
 //! Camera of a scene, and its projections.
 
-use glam::{Mat4, Vec2};
+use glam::{Mat4, Vec2, Vec4};
+
+use crate::{Error, Result};
+
+/// Most by which squared lengths and cosines of a rigid camera's axes differ from 1 and 0. Scene files are printed with six digits.
+const MOST_SCALE: f32 = 4.0e-3;
 
 /// Camera of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -31,7 +36,7 @@ pub enum Projection {
     /// Thin lens: all rays go through a disk around the origin of camera space. The plane at depth `focus_distance` is
     /// sharp.
     ThinLens {
-        /// Radius of the lens, > 0, scene units.
+        /// Radius of the lens, scene units; 0 makes a pinhole.
         aperture_radius: f32,
         /// Depth of the plane in focus, > 0, scene units.
         focus_distance: f32,
@@ -64,6 +69,44 @@ impl Camera {
             _ => self.tan_half_fov_x(width, height),
         };
         Vec2::new(half_width, half_width * height as f32 / width as f32)
+    }
+
+    /// Refuses a camera that shows no picture.
+    pub(crate) fn check(&self) -> Result<()> {
+        let refuse = |message: &str| Err(Error::Settings(message.into()));
+        let Self { fov, world_from_camera, principal_point, near_clip, far_clip, .. } = *self;
+        let numbers = [fov, principal_point.x, principal_point.y, near_clip, far_clip];
+        if !world_from_camera.is_finite() || !numbers.iter().all(|number| number.is_finite()) {
+            return refuse("the camera has a number that is not finite; give it finite ones");
+        }
+        if !(near_clip > 0.0 && far_clip > near_clip) {
+            return refuse("the camera's near plane must lie before it, and the far plane behind the near one");
+        }
+        let [x, y, z] = [world_from_camera.x_axis, world_from_camera.y_axis, world_from_camera.z_axis];
+        if self.projection == Projection::Orthographic {
+            let sees = z.length_squared() >= f32::MIN_POSITIVE;
+            return if sees {
+                Ok(())
+            } else {
+                refuse("the camera's transform shrinks its viewing direction to length 0")
+            };
+        }
+        if !(fov > 0.0 && fov < 180.0) {
+            return refuse(&format!("the camera's field of view is {fov} degrees, but must lie between 0 and 180"));
+        }
+        let is_unit = |axis: Vec4| (axis.length_squared() - 1.0).abs() < MOST_SCALE;
+        let are_apart = [x.dot(y), y.dot(z), z.dot(x)].iter().all(|cosine| cosine.abs() < MOST_SCALE);
+        if !([x, y, z].into_iter().all(is_unit) && are_apart) {
+            return refuse("the camera's transform must neither scale nor shear");
+        }
+        match self.projection {
+            Projection::ThinLens { aperture_radius: radius, focus_distance: focus }
+                if !(radius >= 0.0 && radius.is_finite() && focus > 0.0 && focus.is_finite()) =>
+            {
+                refuse("the camera's lens must have a radius that is not negative, and focus at a distance above 0")
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Tangent of half the *horizontal* field of view for a picture of `width` x `height` pixels.

@@ -26,6 +26,19 @@ pub struct Crop {
     pub height: u32,
 }
 
+impl Crop {
+    /// The window scaled with the film, from its old size to a new one, so that it shows the same part of the picture.
+    pub fn rescaled(self, [width, height]: [u32; 2], [new_width, new_height]: [u32; 2]) -> Self {
+        let scale = |value: u32, old: u32, new: u32| (u64::from(value) * u64::from(new) / u64::from(old.max(1))) as u32;
+        Self {
+            x: scale(self.x, width, new_width),
+            y: scale(self.y, height, new_height),
+            width: scale(self.width, width, new_width).max(1),
+            height: scale(self.height, height, new_height).max(1),
+        }
+    }
+}
+
 /// Reconstruction filter, applied by filter importance sampling. Radii are in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
 
-use super::Scene;
+use super::{Camera, Scene};
 use crate::{Error, Result};
 
 /// Number of primitives that one task hashes.
@@ -39,6 +39,7 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
     let Scene {
         name: _,
         cameras: _,
+        views: _,
         warnings: _,
         camera,
         film,
@@ -68,6 +69,11 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
     let whole = if is_flat { flat } else { hash(&(flat, &groups, &shown, motions, camera_motion))? };
     let world = hash(&(primitives, images, (materials, media, lights, textures), groups, shown, motions))?;
     Ok(Fingerprints { scene: format!("{whole:032x}"), world: format!("{world:032x}") })
+}
+
+/// Fingerprint of a scene whose camera was changed, from that of the scene and the new camera. It is not that of a file with this camera.
+pub(crate) fn with_camera(scene: &str, camera: &Camera) -> Result<String> {
+    hash(&(scene, camera)).map(|hash| format!("{hash:032x}"))
 }
 
 fn hashes<T: Serialize>(items: impl IndexedParallelIterator<Item = T>) -> Result<Vec<u128>> {

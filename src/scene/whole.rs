@@ -21,6 +21,8 @@ pub struct Scene {
     pub camera: Camera,
     /// Names of all cameras of the scene's file in their order; `None` for one without a name.
     pub cameras: Vec<Option<String>>,
+    /// The cameras themselves, in this order; `None` for one that cannot be read.
+    pub views: Vec<Option<Camera>>,
     /// The sensor's film.
     pub film: FilmDescription,
     /// Settings of the scene file's integrator.

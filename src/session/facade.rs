@@ -9,7 +9,7 @@ use crate::encode::cells::Cells;
 use crate::film::Picture;
 use crate::gpu::Context;
 use crate::renderer::learned_guide::LearnedGuide;
-use crate::scene::{LoadOptions, Scene};
+use crate::scene::{Camera, LoadOptions, Scene};
 use crate::session::finished::Finished;
 use crate::session::history::History;
 use crate::session::options::Options;
@@ -165,6 +165,51 @@ impl Session {
             }
             self.running.write_if_due(watch)?;
         }
+        Ok(())
+    }
+}
+
+/// Another view of the scene. The guide stays.
+impl Session {
+    /// Camera of the picture.
+    pub fn camera(&self) -> &Camera {
+        self.running.camera()
+    }
+
+    /// Shows the scene from now on by another camera, which stands still. Kernels, scene and guide stay; the film and the counters begin
+    /// anew, and the length of the render counts from here. Another kind of projection needs other kernels, which are then built; those of a
+    /// thin lens serve pinholes, too. The medium around the camera stays that of the scene's camera.
+    ///
+    /// The picture stays unbiased, because the guide has learned from other samples than those that it guides: its seed
+    /// ([`Settings::seed`]) is the next one of which the guide has learned from no sample. Each change after samples so adds one to the
+    /// seed, and the same changes after the same samples give the same bits. A session of that seed and that camera which begins with this
+    /// guide has these bits, too.
+    ///
+    /// # Errors
+    /// Where the camera has a number out of its range, the render keeps a checkpoint or is shared by ranks, or the device is lost. The
+    /// render cannot go on only if the device failed.
+    pub fn set_camera(&mut self, camera: &Camera) -> Result<()> {
+        let Settings { width, height, .. } = *self.settings();
+        self.set_view(camera, [width, height])
+    }
+
+    /// Renders from now on a film of `width` x `height` pixels. The session begins anew as after [`Session::set_camera`]. A crop window
+    /// is scaled with the film. The guide keeps its cells, although a new render of this size may choose others.
+    ///
+    /// # Errors
+    /// Where the device cannot hold the film, and where [`Session::set_camera`] fails.
+    pub fn set_size(&mut self, width: u32, height: u32) -> Result<()> {
+        let camera = *self.camera();
+        self.set_view(&camera, [width, height])
+    }
+
+    /// Changes camera and size at once.
+    ///
+    /// # Errors
+    /// Where [`Session::set_camera`] or [`Session::set_size`] fails.
+    pub fn set_view(&mut self, camera: &Camera, size: [u32; 2]) -> Result<()> {
+        self.running.change_view(camera, size)?;
+        self.finished = None;
         Ok(())
     }
 }

@@ -223,6 +223,13 @@ impl Options {
         Self { slice_milliseconds: Some(milliseconds), ..self }
     }
 
+    /// Sets the time that one dispatch should take, in milliseconds, where the caller has not chosen it.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn default_slice_milliseconds(self, milliseconds: f64) -> Self {
+        Self { slice_milliseconds: self.slice_milliseconds.or(Some(milliseconds)), ..self }
+    }
+
     /// Sets the kernels that trace the paths.
     #[must_use]
     pub fn execution(self, execution: Execution) -> Self {
@@ -321,7 +328,7 @@ impl Options {
             FilmSize::Height(height) => [in_proportion(old[0], height, old[1]), height],
             FilmSize::Scaled(factor) => old.map(|size| ((size as f32 * factor).round() as u32).max(1)),
         };
-        settings.crop = rescaled_crop(settings.crop, old, new);
+        settings.crop = settings.crop.map(|crop| crop.rescaled(old, new));
         [settings.width, settings.height] = new;
     }
 
@@ -344,15 +351,4 @@ impl Options {
         settings.execution = self.execution.unwrap_or(settings.execution);
         settings.traversal = self.traversal.unwrap_or(settings.traversal);
     }
-}
-
-/// The scene's crop window, scaled with the film so that it shows the same part of the picture.
-fn rescaled_crop(crop: Option<Crop>, [width, height]: [u32; 2], [new_width, new_height]: [u32; 2]) -> Option<Crop> {
-    let scale = |value: u32, old: u32, new: u32| (u64::from(value) * u64::from(new) / u64::from(old.max(1))) as u32;
-    crop.map(|c| Crop {
-        x: scale(c.x, width, new_width),
-        y: scale(c.y, height, new_height),
-        width: scale(c.width, width, new_width).max(1),
-        height: scale(c.height, height, new_height).max(1),
-    })
 }

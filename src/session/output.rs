@@ -51,6 +51,15 @@ impl Output {
         }
     }
 
+    /// Begins with another picture. One that `shows_another_view` is no longer measured against the reference.
+    pub fn begin_anew(&mut self, shows_another_view: bool) {
+        self.safety_copy.take();
+        self.last_write = Instant::now();
+        if shows_another_view {
+            self.reference = None;
+        }
+    }
+
     /// Error of `picture`, if there is a reference.
     pub fn measure(&self, picture: &Picture) -> Result<Option<metrics::Metrics>> {
         let reference = self.reference.as_ref();

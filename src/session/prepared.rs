@@ -106,7 +106,16 @@ impl Prepared {
         Ok(Self {
             output: Output::new(&wanted, pictures, reference, denoiser, checkpoint_every),
             profiler: wanted.profile.map(|path| Profiler::start(path, &context)),
-            subject: Subject { scene_name, scene_path, scene_hash, world_hash, source, kernels, times },
+            subject: Subject {
+                scene_name,
+                scene_path,
+                scene_hash,
+                world_hash,
+                source,
+                kernels,
+                times,
+                has_another_view: false,
+            },
             devices: contexts.iter().map(|context| device_name(context)).collect(),
             guide: guide.zip(guide_cells),
             deals_by_speed: options.deals_by_speed,

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::scene::{EnvironmentChoice, LoadOptions};
+use crate::scene::fingerprint::with_camera;
+use crate::scene::{Camera, EnvironmentChoice, LoadOptions};
 use crate::session::checkpoint::SceneSource;
 use crate::session::files::absolute_path;
 use crate::session::statistics::SetupTimes;
@@ -21,6 +22,8 @@ pub(super) struct Subject {
     /// Files that stand in for built-in kernels, with their hashes.
     pub kernels: Vec<String>,
     pub times: SetupTimes,
+    /// Whether the camera or the size of the film was changed after the beginning.
+    pub has_another_view: bool,
 }
 
 impl Subject {
@@ -34,11 +37,25 @@ impl Subject {
         facts.into_iter().chain(settings.named()).collect()
     }
 
+    /// Notes another view, whose camera is given if it was changed.
+    pub fn change_view(&mut self, camera: Option<&Camera>) -> Result<()> {
+        self.has_another_view = true;
+        if let Some(camera) = camera {
+            self.scene_hash = with_camera(&self.scene_hash, camera)?;
+        }
+        Ok(())
+    }
+
     /// The scene as a checkpoint names it.
     ///
     /// # Errors
-    /// Where the scene was made in memory, or a path is not UTF-8.
+    /// Where the scene was made in memory or another view was chosen, or a path is not UTF-8.
     pub fn scene_source(&self) -> Result<SceneSource> {
+        if self.has_another_view {
+            let message =
+                "a checkpoint needs the camera and the size that the render began with, but they were changed";
+            return Err(Error::Settings(message.into()));
+        }
         let Some((path, options)) = &self.source else {
             return Err(Error::Settings(
                 "a checkpoint needs a scene that is read from a file, but this scene was made in memory".into(),

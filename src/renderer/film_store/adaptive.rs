@@ -28,11 +28,13 @@ pub(crate) struct Adaptive {
 impl Adaptive {
     /// Adaptive sampling whose tiles are all sampled so far. `kernel` judges how noisy they are.
     pub fn new(kernel: Kernel, settings: &Settings, target: f32) -> Self {
-        let window = settings.window();
-        let tiles = Tiles::new(window.width, window.height, TILE_SIDE);
-        let count = (window.width.div_ceil(TILE_SIDE) * window.height.div_ceil(TILE_SIDE)) as usize;
-        let (going_on, sampled_pixels) = (vec![true; count], tiles.all_pixels());
-        Self { kernel, tiles, sampled_pixels, going_on, report: NoiseReport::unknown(target) }
+        let (tiles, going_on) = tiles_of(settings);
+        Self { kernel, sampled_pixels: tiles.all_pixels(), tiles, going_on, report: NoiseReport::unknown(target) }
+    }
+
+    /// Begins anew, for a film of perhaps another size. All tiles are then to be chosen by [`Adaptive::restart`].
+    pub fn begin_anew(&mut self, settings: &Settings) {
+        (self.tiles, self.going_on) = tiles_of(settings);
     }
 
     /// Chooses all tiles again, as at the beginning.
@@ -100,6 +102,13 @@ impl Adaptive {
         self.report.mean = Some(mean_square.sqrt());
         self.report.sampled_share = self.sampled_pixels as f64 / self.tiles.all_pixels() as f64;
     }
+}
+
+/// Tiles of the film, all of which are sampled.
+fn tiles_of(settings: &Settings) -> (Tiles, Vec<bool>) {
+    let window = settings.window();
+    let count = (window.width.div_ceil(TILE_SIDE) * window.height.div_ceil(TILE_SIDE)) as usize;
+    (Tiles::new(window.width, window.height, TILE_SIDE), vec![true; count])
 }
 
 /// Chooses the tiles whose entry in `going_on` is true.

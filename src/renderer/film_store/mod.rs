@@ -36,6 +36,15 @@ impl FilmStore {
         Ok(if settings.sample_offset.is_some() { Self::Part(PartSums::new(settings)) } else { Self::Plain })
     }
 
+    /// Begins anew, for a film of perhaps another size.
+    pub fn begin_anew(&mut self, settings: &Settings) {
+        match self {
+            Self::Plain => {}
+            Self::Adaptive(adaptive) => adaptive.begin_anew(settings),
+            Self::Part(sums) => *sums = PartSums::new(settings),
+        }
+    }
+
     /// Reads the picture so far, with the samples of a step under way.
     pub fn picture(&self, frame: &Frame, settings: &Settings) -> Result<Picture> {
         match self {

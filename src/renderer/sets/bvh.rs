@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::Result;
 use crate::encode::bvh::Bvh;
 use crate::encode::query_geometry::{MARGIN, QueryGeometry};
 use crate::generated::kernels::bindings::bvh::{
@@ -16,11 +15,18 @@ use crate::generated::kernels::{BVH_SET, Kernels};
 use crate::generated::layout::TEXEL_BYTES;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, StructurePart};
 use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape};
+use crate::{Error, Result};
 
 /// The hierarchy and the geometry of a scene on the device.
 pub(crate) struct BvhSet {
     set: DescriptorSet,
+    /// Place of the eye for which an acceleration structure was built, and the reach of its rays.
+    built_for: Option<(Vec3, f64)>,
 }
+
+/// Distance, as a multiple of the reach, from the eye of an acceleration structure to another one whose rays it covers: its margin covers
+/// rays from eight times the reach.
+const MOST_FROM_EYE: f64 = 7.0;
 
 impl BvhSet {
     /// Texels of the largest of the three buffers.
@@ -48,11 +54,26 @@ impl BvhSet {
         };
         let used = contents.into_iter().filter(|(binding, ..)| has(*binding));
         let mut buffers = used.map(upload).collect::<Result<Vec<_>>>()?;
+        let mut built_for = None;
         if has(BVH_STRUCTURE) {
-            buffers.extend(query_buffers(context, bvh, eye)?);
+            let geometry = QueryGeometry::new(bvh, eye, MARGIN);
+            buffers.extend(query_buffers(context, &geometry)?);
+            built_for = Some((eye, geometry.reach));
         }
         let numbered: Vec<_> = buffers.iter().map(|(binding, buffer)| (*binding, buffer)).collect();
-        Ok(Self { set: set_over(context, "bvh", shape, &numbered)? })
+        Ok(Self { set: set_over(context, "bvh", shape, &numbered)?, built_for })
+    }
+
+    /// Refuses an eye from which rays come that the acceleration structure does not cover.
+    pub fn check_eye(&self, eye: Vec3) -> Result<()> {
+        match self.built_for {
+            Some((first, reach)) if f64::from(eye.distance(first)) > MOST_FROM_EYE * reach => {
+                let message =
+                    "the camera is too far from its first place for the device's ray queries; take --traversal compute";
+                Err(Error::Settings(message.into()))
+            }
+            _ => Ok(()),
+        }
     }
 
     pub fn set(&self) -> &DescriptorSet {
@@ -61,8 +82,7 @@ impl BvhSet {
 }
 
 /// The acceleration structure and the primitives of its elements, with the numbers of their bindings.
-fn query_buffers(context: &Arc<Context>, bvh: &Bvh, eye: Vec3) -> Result<[(u32, Arc<Buffer>); 2]> {
-    let geometry = QueryGeometry::new(bvh, eye, MARGIN);
+fn query_buffers(context: &Arc<Context>, geometry: &QueryGeometry) -> Result<[(u32, Arc<Buffer>); 2]> {
     let elements = Buffer::with_values(context, "elements", &geometry.elements, BufferKind::Storage)?;
     let parts = [
         StructurePart::OpaqueTriangles(&geometry.opaque),

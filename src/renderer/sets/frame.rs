@@ -15,6 +15,7 @@ use crate::film::Picture;
 use crate::generated::kernels::bindings::frame as numbers;
 use crate::generated::kernels::{self, Kernels};
 use crate::generated::layout;
+use crate::generated::layout::SceneConstants;
 use crate::gpu::{Buffer, BufferKind, Context, Recorder, SetShape};
 use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture};
 use crate::renderer::persistent::{Persistent, Span};
@@ -22,7 +23,7 @@ use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape, word_buffe
 use crate::renderer::statistics::Counts;
 use crate::renderer::trace::wave_memory::wave_buffer;
 use crate::scene::texel_pages::MAX_PAGES;
-use crate::scene::{Projection, Scene};
+use crate::scene::{Camera, Projection, Scene};
 use crate::settings::{Learner, Settings};
 
 /// Texels of a material's record.
@@ -41,9 +42,38 @@ const MOST_LIMIT: f32 = 1.0e26;
 /// The set, once for every film page. Pages share all buffers but those of the film.
 pub(crate) struct Frame {
     pages: Vec<FilmPage>,
+    shared: SharedBuffers,
+    constants: SceneConstants,
     counters: Arc<Buffer>,
     /// Copy of the counters that the host can read.
     counters_read: Arc<Buffer>,
+}
+
+/// Buffers that all pages share.
+struct SharedBuffers {
+    shape: &'static SetShape,
+    /// The buffers with the numbers of their bindings.
+    numbered: Vec<(u32, Arc<Buffer>)>,
+    constants: Arc<Buffer>,
+    /// Paths of a wave; `None` where one kernel traces paths.
+    wave: Option<Arc<Buffer>>,
+}
+
+impl SharedBuffers {
+    /// Pages of an empty film.
+    fn pages(&self, context: &Arc<Context>, settings: &Settings) -> Result<Vec<FilmPage>> {
+        let page = |buffers: PageBuffers| -> Result<FilmPage> {
+            let own = [
+                (numbers::FILM_RADIANCE_PAGE, &buffers.radiance),
+                (numbers::FILM_FEATURES_PAGE, &buffers.features),
+                (numbers::SCRATCH, self.wave.as_ref().unwrap_or(&buffers.adaptive)),
+            ];
+            let shared = self.numbered.iter().map(|(number, buffer)| (*number, buffer));
+            let set = set_over(context, "frame", self.shape, &shared.chain(own).collect::<Vec<_>>())?;
+            buffers.with_set(set)
+        };
+        PageBuffers::allocate(context, settings)?.into_iter().map(page).collect()
+    }
 }
 
 impl Frame {
@@ -61,7 +91,7 @@ impl Frame {
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
         let mut constants = scene_constants(scene, cells, lights, settings);
         constants.camera_motion = bvh.motions.of_camera.map_or(0, |[first, _]| first);
-        let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
+        let constants_buffer = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let shape = set_shape(kernels, kernels::FRAME_SET);
         let materials = uploaded("materials", &surfaces.material_bytes(), buffer_kind(shape, numbers::MATERIALS))?;
         let emitters = lights.texels();
@@ -72,28 +102,34 @@ impl Frame {
         let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
         let records = bytemuck::cast_slice(&textures.records);
         let records = uploaded("textures", records, buffer_kind(shape, numbers::TEXTURES))?;
-        let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
-        let page = |buffers: PageBuffers| -> Result<FilmPage> {
-            let (radiance, features) = (&buffers.radiance, &buffers.features);
-            let all = [
-                (numbers::FILM_RADIANCE_PAGE, radiance),
-                (numbers::FILM_FEATURES_PAGE, features),
-                (numbers::SCENE, &constants),
-                (numbers::MATERIALS, &materials),
-                (numbers::EMITTERS, &emitters),
-                (numbers::COUNTERS, &counters),
-                (numbers::TEXEL_WORDS, words0),
-                (numbers::TEXTURES, &records),
-                (numbers::TEXEL_WORDS1, words1),
-                (numbers::TEXEL_WORDS2, words2),
-                (numbers::TEXEL_WORDS3, words3),
-                (numbers::SCRATCH, wave.as_ref().unwrap_or(&buffers.adaptive)),
-            ];
-            let set = set_over(context, "frame", shape, &all)?;
-            buffers.with_set(set)
-        };
-        let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
-        Ok(Self { pages, counters, counters_read })
+        let [words0, words1, words2, words3] = texel_words(context, shape, &textures.words)?;
+        let numbered = vec![
+            (numbers::SCENE, Arc::clone(&constants_buffer)),
+            (numbers::MATERIALS, materials),
+            (numbers::EMITTERS, emitters),
+            (numbers::COUNTERS, Arc::clone(&counters)),
+            (numbers::TEXEL_WORDS, words0),
+            (numbers::TEXTURES, records),
+            (numbers::TEXEL_WORDS1, words1),
+            (numbers::TEXEL_WORDS2, words2),
+            (numbers::TEXEL_WORDS3, words3),
+        ];
+        let shared = SharedBuffers { shape, numbered, constants: constants_buffer, wave };
+        let pages = shared.pages(context, settings)?;
+        Ok(Self { pages, shared, constants, counters, counters_read })
+    }
+
+    /// Makes an empty film of the size that the settings have in place of this one.
+    pub fn resize(&mut self, context: &Arc<Context>, settings: &Settings) -> Result<()> {
+        self.pages = self.shared.pages(context, settings)?;
+        Ok(())
+    }
+
+    /// Looks from now on through a camera that stands still, with the film and the seed of these settings.
+    pub fn look_through(&mut self, camera: &Camera, settings: &Settings) -> Result<()> {
+        set_view(&mut self.constants, camera, settings);
+        self.constants.camera_motion = 0;
+        self.shared.constants.upload(0, &[self.constants])
     }
 
     pub fn pages(&self) -> &[FilmPage] {
@@ -157,29 +193,11 @@ fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> 
     Ok(std::array::from_fn(|i| Arc::clone(&buffers[i.min(buffers.len() - 1)])))
 }
 
-fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
-    let camera = &scene.camera;
-    let (aperture_radius, focus_distance) = match camera.projection {
-        Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
-        _ => (0.0, 1.0),
-    };
-    let window = settings.window();
-    let rows = rows(&camera.world_from_camera);
-    let mut constants = layout::SceneConstants {
-        world_from_camera: rows,
-        film_size: [settings.width as f32, settings.height as f32],
-        raster_scale: camera.half_extent(settings.width, settings.height).into(),
-        principal_point: camera.principal_point.into(),
-        near_clip: camera.near_clip,
-        far_clip: camera.far_clip,
+fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Settings) -> SceneConstants {
+    let mut constants = SceneConstants {
         bounds_min: cells.grid.origin.into(),
-        aperture_radius,
         cells_per_unit: cells.grid.per_unit.into(),
         target_limit: target_limit(lights.brightest().max(media::brightest(&scene.media)), settings.learner),
-        seed: settings.seed,
-        window_offset: [window.x, window.y],
-        window_size: [window.width, window.height],
-        focus_distance,
         grid_size: cells.grid.size.into(),
         cell_count: cells.count(),
         all_cell_count: cells.all_count(),
@@ -188,8 +206,32 @@ fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Set
         first_volume: (scene.materials.len() + scene.media.all.len()) as u32 * MATERIAL_TEXELS,
         ..bytemuck::Zeroable::zeroed()
     };
+    set_view(&mut constants, &scene.camera, settings);
     lights.write_constants(&mut constants);
     constants
+}
+
+/// Writes the camera, the film and the seed.
+fn set_view(constants: &mut SceneConstants, camera: &Camera, settings: &Settings) {
+    let (aperture_radius, focus_distance) = match camera.projection {
+        Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
+        _ => (0.0, 1.0),
+    };
+    let window = settings.window();
+    *constants = SceneConstants {
+        world_from_camera: rows(&camera.world_from_camera),
+        film_size: [settings.width as f32, settings.height as f32],
+        raster_scale: camera.half_extent(settings.width, settings.height).into(),
+        principal_point: camera.principal_point.into(),
+        near_clip: camera.near_clip,
+        far_clip: camera.far_clip,
+        aperture_radius,
+        seed: settings.seed,
+        window_offset: [window.x, window.y],
+        window_size: [window.width, window.height],
+        focus_distance,
+        ..*constants
+    };
 }
 
 /// The matrix's upper three rows.

@@ -458,6 +458,7 @@ impl<'a> Builder<'a> {
             name: scene_name(path),
             camera: sensor.camera,
             cameras: self.sensors.iter().map(|sensor| sensor.id.clone()).collect(),
+            views: self.sensors.iter().map(|sensor| sensor::parse_camera(sensor, &self.scope).ok()).collect(),
             camera_motion: sensor.motion,
             film: sensor.film,
             integrator,

@@ -37,12 +37,7 @@ pub(super) fn parse<'a>(
 ) -> Result<Sensor> {
     let mut properties = Properties::new(object, scope)?;
     let keys = properties.take_keys()?;
-    let mut camera = match properties.plugin() {
-        "perspective" => parse_perspective(&mut properties)?,
-        "thinlens" => parse_thin_lens(&mut properties, warnings)?,
-        "orthographic" => parse_orthographic(&mut properties)?,
-        _ => return Err(object.unsupported(&["perspective", "thinlens", "orthographic"])),
-    };
+    let mut camera = parse_plugin(&mut properties, warnings)?;
     let film = match properties.object(Kind::Film)? {
         Some(film) => parse_film(film, scope, warnings)?,
         None => DEFAULT_FILM,
@@ -59,6 +54,25 @@ pub(super) fn parse<'a>(
         None => None,
     };
     Ok(Sensor { camera, motion, shutter, film, sample_count, medium })
+}
+
+/// Camera of a `<sensor>` alone. One that moves has its place in the middle of the shutter's time.
+pub(super) fn parse_camera<'a>(object: &'a Object, scope: &Scope<'a>) -> Result<Camera> {
+    let mut properties = Properties::new(object, scope)?;
+    let keys = properties.take_keys()?;
+    let mut camera = parse_plugin(&mut properties, &mut Vec::new())?;
+    let shutter = parse_shutter(&mut properties)?;
+    keys.map(|keys| parse_motion(&keys, shutter, object, &mut camera)).transpose()?;
+    Ok(camera)
+}
+
+fn parse_plugin(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<Camera> {
+    match properties.plugin() {
+        "perspective" => parse_perspective(properties),
+        "thinlens" => parse_thin_lens(properties, warnings),
+        "orthographic" => parse_orthographic(properties),
+        _ => Err(properties.owner().unsupported(&["perspective", "thinlens", "orthographic"])),
+    }
 }
 
 /// Times at which the shutter opens and closes.
