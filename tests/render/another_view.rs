@@ -152,14 +152,14 @@ fn a_session_takes_another_view() {
     session.set_camera(&camera).expect("another camera");
     assert_eq!((*session.camera(), session.progress().samples, session.settings().seed), (camera, 0, 10));
     session.set_size(12, 10).expect("another size");
+    let refused = session.write_checkpoint("never.ckpt").expect_err("a refusal").to_string();
+    assert!(refused.contains("they were changed"), "{refused}");
     session.run(|_| std::ops::ControlFlow::Continue(())).expect("samples");
     let picture = session.picture().expect("a picture");
     assert_eq!((picture.width, picture.height, session.progress().samples), (12, 10, 6));
     assert_eq!(picture.view, Some(lodestar::film::View::new(&camera, 12, 10)));
     assert_eq!(named(&session, "sample_ranges"), "10:0..6");
     assert_ne!(named(&session, "scene_hash"), before);
-    let refused = session.write_checkpoint("never.ckpt").expect_err("a refusal").to_string();
-    assert!(refused.contains("they were changed"), "{refused}");
 
     let refusal =
         |session: &mut Session, camera: Camera| session.set_camera(&camera).expect_err("a refusal").to_string();
