@@ -3,13 +3,17 @@
 use std::sync::{Mutex, PoisonError};
 use std::{env, thread};
 
+/// Bytes of a thread's stack. The optimizer of SPIR-V recurses along the blocks of a kernel.
+const STACK: usize = 64 << 20;
+
 /// Runs all jobs on all cores. Returns their results in the order of the jobs.
 pub fn on_all_cores<T: Send>(job_count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let queue = Mutex::new(0..job_count);
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work = || std::iter::from_fn(next).map(|index| (index, job(index))).collect::<Vec<_>>();
     let mut results = thread::scope(|scope| {
-        let workers: Vec<_> = (0..core_count().min(job_count)).map(|_| scope.spawn(work)).collect();
+        let spawn = |_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work).expect("a thread");
+        let workers: Vec<_> = (0..core_count().min(job_count)).map(spawn).collect();
         workers.into_iter().flat_map(|worker| worker.join().expect("no job panics")).collect::<Vec<_>>()
     });
     results.sort_by_key(|(index, _)| *index);
