@@ -28,6 +28,10 @@ pub struct OfResume;
 #[derive(Debug)]
 pub struct OfMap;
 
+/// Options of `lodestar view` for a scene: those that decide the scene and the settings, its length, the device and the picture.
+#[derive(Debug)]
+pub struct OfView;
+
 /// Options that choose a guide.
 #[derive(Debug)]
 pub struct OfGuide;
@@ -48,6 +52,14 @@ impl Subset for OfMap {
     fn has(option: &OptionEntry) -> bool {
         let is_of_picture = matches!(option.category, Category::Scene | Category::Paths | Category::Guiding);
         is_of_picture || option.set().is_some() || option.name == "device"
+    }
+}
+
+impl Subset for OfView {
+    fn has(option: &OptionEntry) -> bool {
+        let others =
+            ["width", "height", "scale", "rfilter", "spp", "output", "guide", "oidn", "oidn-device", "slice-ms"];
+        OfMap::has(option) || others.contains(&option.name)
     }
 }
 
@@ -72,6 +84,11 @@ impl<S: Subset> Given<S> {
     fn all(&self, name: &str) -> &[OsString] {
         let found = self.values.iter().find(|(option, _)| option.name == name);
         found.map_or(&[], |(_, values)| values)
+    }
+
+    /// Name of an option that was given, if there is one.
+    pub fn first(&self) -> Option<&'static str> {
+        self.values.first().map(|(option, _)| option.name)
     }
 
     /// Whether the option `name` was given.

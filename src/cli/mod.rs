@@ -68,7 +68,7 @@ enum Command {
     Merge(merge::MergeArgs),
     Denoise(denoise::DenoiseArgs),
     Radiance(Box<radiance::RadianceArgs>),
-    View(view::ViewArgs),
+    View(Box<view::ViewArgs>),
     Reproduce(reproduce::ReproduceArgs),
     Completions(completions::CompletionsArgs),
 }
@@ -99,7 +99,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Merge(args) => merge::run(&args),
         Command::Denoise(args) => denoise::run(args),
         Command::Radiance(args) => radiance::run(*args),
-        Command::View(args) => view::run(&args),
+        Command::View(args) => view::run(*args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Completions(args) => completions::run(&args, command()),
     };

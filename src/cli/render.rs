@@ -41,8 +41,7 @@ pub fn run(args: RenderArgs) -> Result<ExitCode> {
 
 /// Options that arguments stand for, without the scene and the files of the picture.
 pub fn options(given: Given<OfRender>) -> Options {
-    let options = given.add_to(Options::new());
-    given.choose(options)
+    given.choose_all(Options::new())
 }
 
 /// Refuses options of one picture, `of_one`, and several processes, where the option `asked` makes several pictures.

@@ -118,6 +118,12 @@ impl<S: Subset> Given<S> {
         options.checkpoint_every(self.value("checkpoint-every", seconds).unwrap_or(CHECKPOINT_EVERY))
     }
 
+    /// Adds all that a new render has to `options`, except the scene and the files of the picture.
+    pub fn choose_all(self, options: Options) -> Options {
+        let options = self.add_to(options);
+        self.choose(options)
+    }
+
     /// Adds what decides the settings to `options`.
     pub fn choose(self, options: Options) -> Options {
         let number = |name| self.value(name, str::parse::<u32>);

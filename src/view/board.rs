@@ -1,12 +1,15 @@
 //! Board between a render and its viewers: the render pins its progress and copies of the picture on it, viewers pin requests.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use serde::Serialize;
 use tokio::sync::watch;
 
+use crate::scene::Camera;
 use crate::view::guide::{GuideCells, GuideCopy};
+use crate::view::pose::Pose;
 use crate::view::shot::Shot;
 
 /// Phase of a render as the page shows it.
@@ -28,6 +31,10 @@ pub(super) enum Phase {
     Ended,
     /// The picture is one from a file.
     File,
+    /// The camera moves, and pictures are small.
+    Moving,
+    /// The camera stands still, and the picture gets finer.
+    Resting,
 }
 
 /// Noise or error after some samples.
@@ -92,6 +99,45 @@ pub(super) struct State {
     pub no_guide: Option<String>,
     /// Whether light that is sampled directly stays out of the guide.
     pub samples_lights: bool,
+    /// The camera, where viewers may move it.
+    pub view: Option<Seen>,
+}
+
+/// The camera that pictures are taken with.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Seen {
+    pub pose: Pose,
+    /// Number of the wish that it follows; 0 before the first.
+    pub wish: u64,
+    /// Distance to what the middle of the picture shows, scene units.
+    pub distance: f32,
+    pub is_orthographic: bool,
+    /// Half the width of the view at depth 1, or of an orthographic one at the scale 1, scene units.
+    pub half_width: f32,
+    /// Size of the picture of a camera at rest.
+    pub size: [u32; 2],
+}
+
+/// Cameras of a session that moves.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Scenery {
+    /// The scene's cameras.
+    pub cameras: Vec<Camera>,
+    /// Their names and poses.
+    pub poses: Vec<(String, Pose)>,
+    /// The camera now, as XML.
+    pub xml: String,
+}
+
+/// Where a viewer wants the camera to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Wish {
+    /// Number of the wish, counted from 1.
+    pub number: u64,
+    pub pose: Pose,
+    pub camera: Camera,
+    /// Whether others are to follow at once, so that the picture may stay small.
+    pub is_moving: bool,
 }
 
 /// State, picture and guide that viewers see.
@@ -102,6 +148,13 @@ pub(super) struct Pinned {
     pub cells: Option<Arc<GuideCells>>,
     pub guide: Option<Arc<GuideCopy>>,
     pub is_paused: bool,
+    /// Last wish that nobody has looked at, and the number of wishes so far. A later wish takes the place of an earlier one.
+    pub wish: Option<Wish>,
+    pub wishes: u64,
+    /// Wish that the shot follows, and the sentence if it could not be followed.
+    pub followed: (u64, Option<String>),
+    /// Cameras that viewers may choose, where they may move one.
+    pub scenery: Option<Arc<Scenery>>,
 }
 
 /// Things that a viewer may ask of a render.
@@ -111,6 +164,8 @@ pub(super) enum Order {
     GoOn,
     Stop,
     Write,
+    /// Render the picture that is seen, with the guide, and write it; or end that.
+    Render,
 }
 
 /// The board.
@@ -124,9 +179,12 @@ pub(super) struct Board {
     pub wants_file: AtomicBool,
     /// Number of holders' requests that are being answered, without those for events.
     pub answering: AtomicUsize,
+    pub wants_render: AtomicBool,
     wants_stop: AtomicBool,
     /// Whether viewers shall leave.
     is_closed: AtomicBool,
+    /// Whoever moves the camera waits here for wishes and orders.
+    asked: Condvar,
 }
 
 impl Board {
@@ -148,19 +206,46 @@ impl Board {
     /// Follows an order of a viewer.
     pub fn give(&self, order: Order) {
         self.change(|pinned| {
+            let is_moving = pinned.scenery.is_some();
             let phase = &mut pinned.state.phase;
             match (order, *phase) {
                 (_, Phase::Ended | Phase::File | Phase::Stopping) => {}
-                (Order::Pause, Phase::Rendering) => (*phase, pinned.is_paused) = (Phase::Pausing, true),
+                (Order::Pause, Phase::Rendering) if !is_moving => (*phase, pinned.is_paused) = (Phase::Pausing, true),
                 (Order::GoOn, Phase::Pausing | Phase::Paused) => (*phase, pinned.is_paused) = (Phase::Rendering, false),
                 (Order::Stop, _) => {
                     (*phase, pinned.is_paused) = (Phase::Stopping, false);
                     self.wants_stop.store(true, Ordering::Relaxed);
                 }
                 (Order::Write, _) => self.wants_file.store(true, Ordering::Relaxed),
+                (Order::Render, _) if is_moving => self.wants_render.store(true, Ordering::Relaxed),
                 _ => {}
             }
         });
+        self.asked.notify_all();
+    }
+
+    /// Wishes the camera to be elsewhere. Returns the number of the wish.
+    pub fn wish(&self, pose: Pose, camera: Camera, is_moving: bool) -> u64 {
+        let mut pinned = self.lock();
+        pinned.wishes += 1;
+        let number = pinned.wishes;
+        pinned.wish = Some(Wish { number, pose, camera, is_moving });
+        drop(pinned);
+        self.asked.notify_all();
+        number
+    }
+
+    /// Whether there is a wish that nobody has taken.
+    pub fn has_wish(&self) -> bool {
+        self.lock().wish.is_some()
+    }
+
+    /// Takes the last wish. Waits for one, or for an order, at most so long.
+    pub fn take_wish(&self, at_most: Duration) -> Option<Wish> {
+        let pinned = self.lock();
+        let is_idle = |pinned: &mut Pinned| pinned.wish.is_none() && !self.wants_render.load(Ordering::Relaxed);
+        let waited = self.asked.wait_timeout_while(pinned, at_most, is_idle);
+        waited.unwrap_or_else(PoisonError::into_inner).0.wish.take()
     }
 
     /// Whether a viewer has ended the render.
@@ -201,6 +286,29 @@ mod tests {
         assert_eq!(phase_after(Phase::Preparing, &[Stop]), (Phase::Stopping, false, true));
         assert_eq!(phase_after(Phase::Ended, &[Pause, Stop]), (Phase::Ended, false, false));
         assert_eq!(phase_after(Phase::File, &[Stop]), (Phase::File, false, false));
+        assert_eq!(phase_after(Phase::Moving, &[Pause, Stop]), (Phase::Stopping, false, true));
+    }
+
+    /// Wishes do not queue up: whoever moves the camera sees the last one.
+    #[test]
+    fn the_last_wish_counts() {
+        let board = Board::default();
+        let pose = |focus| Pose {
+            camera: 0,
+            eye: [0.0; 3],
+            forward: [0.0, 0.0, 1.0],
+            up: [0.0, 1.0, 0.0],
+            aperture: 0.0,
+            focus,
+            scale: 1.0,
+        };
+        assert_eq!(board.take_wish(Duration::ZERO), None);
+        let camera = Camera::look_at([0.0; 3], [0.0, 0.0, 1.0], 40.0);
+        assert_eq!((board.wish(pose(1.0), camera, true), board.wish(pose(2.0), camera, false)), (1, 2));
+        assert!(board.has_wish());
+        let last = Wish { number: 2, pose: pose(2.0), camera, is_moving: false };
+        assert_eq!((board.take_wish(Duration::ZERO), board.has_wish()), (Some(last), false));
+        assert_eq!(board.take_wish(Duration::ZERO), None);
     }
 
     #[test]

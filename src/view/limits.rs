@@ -13,7 +13,7 @@ pub const HEADERS: usize = 64;
 pub const REQUEST_TIME: Duration = Duration::from_secs(10);
 /// Time after which somebody who takes no data is dropped.
 pub const PATIENCE: Duration = Duration::from_secs(10);
-/// Most requests of a stranger on one connection. The page has seven files.
+/// Most requests of a stranger on one connection. The page has eight files.
 pub const STRANGER_REQUESTS: usize = 16;
 /// Largest part of an answer that is handed over at a time. An answer counts as sent when its last part is handed over.
 pub const PART_BYTES: usize = 64 << 10;
@@ -27,6 +27,9 @@ pub const ANSWERS_MIB: u32 = 576;
 pub const DENOISED_ANSWERS_MIB: u32 = 192;
 /// Time that a holder waits for others' answers.
 pub const QUEUE_TIME: Duration = Duration::from_secs(30);
+
+/// Time that a holder waits for the picture of a camera that was moved. A dispatch under way ends first.
+pub const MOVE_TIME: Duration = Duration::from_secs(20);
 
 /// Time that pages have at the end to receive the last state.
 pub const FAREWELL: Duration = Duration::from_secs(2);

@@ -6,7 +6,8 @@
 //! | part | file |
 //! |---|---|
 //! | what render and viewers share | `board.rs`, `shot.rs` |
-//! | the render's side | `viewers.rs`, `file.rs` (a picture file instead of a render) |
+//! | the render's side | `viewers.rs`, `file.rs` (a picture file instead of a render), `moving.rs` (a camera that moves), `detail.rs` (how small its pictures are) |
+//! | cameras | `pose.rs` |
 //! | the server of the page | `server.rs`, `limits.rs` (what it bounds), `guests.rs` (who is connected), `stream.rs` (slow readers) |
 //! | requests | `guard.rs` (who may ask), `routes.rs` (answers), `content.rs`, `events.rs`, `workers.rs` (what takes time) |
 //! | one pixel, and what the guide has learned there | `pixel.rs`, `guide.rs` |
@@ -18,6 +19,7 @@
 mod board;
 mod content;
 mod denoiser;
+mod detail;
 mod display;
 mod events;
 mod file;
@@ -25,9 +27,11 @@ mod guard;
 mod guests;
 mod guide;
 mod limits;
+mod moving;
 mod names;
 mod pixel;
 mod planes;
+mod pose;
 mod routes;
 mod server;
 mod shot;
@@ -38,4 +42,5 @@ mod viewers;
 mod workers;
 
 pub use file::FileView;
+pub use moving::{MovingOptions, MovingView};
 pub use viewers::{ViewOptions, Viewers};

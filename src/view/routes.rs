@@ -7,33 +7,42 @@
 //! | `GET /layer?name=NAME` | a layer as half floats, with a header `X-Frame` of its size |
 //! | `GET /cells` | the guide's cell of every pixel, as 32-bit integers, and the mean radiance of every cell |
 //! | `GET /pixel?x=X&y=Y` | everything about a pixel |
-//! | `POST /pause`, `/go-on`, `/stop`, `/write` | an order |
+//! | `GET /cameras` | the cameras of the scene with their poses |
+//! | `GET /camera.xml` | the camera now, as a sensor of Mitsuba's XML |
+//! | `POST /move?camera=0&eye=X,Y,Z&...&name=NAME` | the layer of the first picture after the camera has moved there (`pose.rs`) |
+//! | `POST /pause`, `/go-on`, `/stop`, `/write`, `/render` | an order |
 //!
 //! All but the page's files needs the token in the header `X-Lodestar-Token`. No request has a body.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use hyper::body::Body;
 use hyper::header::{HOST, HeaderMap, ORIGIN};
 use hyper::{Method, Request};
 use serde::Serialize;
+use tokio::time::timeout_at;
 
 use crate::Result;
-use crate::view::board::{Board, CurvePoint, Order, thinned};
+use crate::view::board::{Board, CurvePoint, Order, Phase, Scenery, thinned};
 use crate::view::content::{Answer, Answering, bytes, claiming, empty, framed, json, last, text};
 use crate::view::denoiser;
 use crate::view::events::Listeners;
 use crate::view::guard::{Asking, Guard};
 use crate::view::guests::Visit;
-use crate::view::limits::{ANSWERS_MIB, DENOISED_ANSWERS_MIB, Limits, STRANGER_REQUESTS, WORKERS};
+use crate::view::limits::{ANSWERS_MIB, DENOISED_ANSWERS_MIB, Limits, MOVE_TIME, STRANGER_REQUESTS, WORKERS};
 use crate::view::pixel::{PixelFacts, cells_of_pixels};
+use crate::view::pose::Pose;
 use crate::view::shot::{Content, DENOISED, Shot};
 use crate::view::workers::{Failure, Workers};
 
 /// Header of the token.
 const TOKEN: &str = "x-lodestar-token";
+
+/// Sentence about a picture whose camera nobody can move.
+const IMMOVABLE: &str = "The camera of this picture cannot be moved; `lodestar view` with a scene shows one that can.";
 
 /// Files of the page: path, type and content.
 const FILES: &[(&str, &str, &str)] = &[
@@ -41,6 +50,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
     ("/picture.js", "text/javascript; charset=utf-8", include_str!("page/picture.js")),
+    ("/move.js", "text/javascript; charset=utf-8", include_str!("page/move.js")),
     ("/guide.js", "text/javascript; charset=utf-8", include_str!("page/guide.js")),
     ("/curve.js", "text/javascript; charset=utf-8", include_str!("page/curve.js")),
     ("/icon.svg", "image/svg+xml", include_str!("page/icon.svg")),
@@ -60,6 +70,8 @@ pub(super) struct Desk {
 #[derive(Serialize)]
 struct Frame<'a> {
     shot: u64,
+    /// Wish that the picture follows.
+    wish: u64,
     samples: u64,
     width: u32,
     height: u32,
@@ -128,11 +140,61 @@ impl Desk {
             (&Method::GET, "/events") if may_stay => self.listeners.listen(),
             (&Method::GET, "/events") => text(503, "Too many pages are open; close some."),
             (&Method::GET, "/layer" | "/cells" | "/pixel") => self.work(path, query).await,
+            (&Method::GET, "/cameras") => self.moving(|scenery| json(&scenery.poses)),
+            (&Method::GET, "/camera.xml") => {
+                self.moving(|scenery| bytes(scenery.xml.clone(), "text/xml; charset=utf-8"))
+            }
+            (&Method::POST, "/move") => self.follow_wish(query).await,
             (&Method::GET, _) => file(path).unwrap_or_else(|| text(404, "There is no such page.")),
             (&Method::POST, _) => self.follow(path),
             _ => text(405, "This server knows GET and POST."),
         };
         if may_stay { answer } else { last(answer) }
+    }
+
+    /// Answers what only a session that moves knows.
+    fn moving(&self, answer: impl Fn(&Scenery) -> Answer) -> Answer {
+        let scenery = self.board.lock().scenery.clone();
+        scenery.map_or_else(|| text(404, IMMOVABLE), |scenery| answer(&scenery))
+    }
+
+    /// Moves the camera, and answers with a layer of the first picture from there, or from where a later wish has it. Nothing is kept of
+    /// a wish but the last one, so that a flood of wishes takes no memory.
+    async fn follow_wish(self: &Arc<Self>, query: &str) -> Answer {
+        let (scenery, phase) = {
+            let pinned = self.board.lock();
+            (pinned.scenery.clone(), pinned.state.phase)
+        };
+        let Some(scenery) = scenery else { return text(404, IMMOVABLE) };
+        if phase == Phase::Rendering {
+            return text(409, "A picture is being rendered; end that first.");
+        }
+        let wished = {
+            let asked = Query::new(query);
+            let is_moving = asked.0.get("moving") == Some(&"1");
+            let pose = Pose::read(|name| asked.0.get(name).copied());
+            pose.and_then(|pose| Ok((pose, pose.camera(&scenery.cameras)?, is_moving)))
+        };
+        let (pose, camera, is_moving) = match wished {
+            Ok(wished) => wished,
+            Err(sentence) => return text(400, &sentence),
+        };
+        let mut changes = self.board.changes();
+        let number = self.board.wish(pose, camera, is_moving);
+        let end = (Instant::now() + MOVE_TIME).into();
+        loop {
+            changes.mark_unchanged();
+            let followed = self.board.lock().followed.clone();
+            match followed {
+                (wish, Some(sentence)) if wish == number => return text(400, &sentence),
+                (wish, _) if wish >= number => return self.work("/layer", query).await,
+                _ if self.board.is_closed() => return empty(),
+                _ => {}
+            }
+            if timeout_at(end, changes.changed()).await.is_err() {
+                return empty();
+            }
+        }
     }
 
     /// Answers what takes time.
@@ -178,6 +240,7 @@ impl Desk {
             "/go-on" => Order::GoOn,
             "/stop" => Order::Stop,
             "/write" => Order::Write,
+            "/render" => Order::Render,
             _ => return text(404, "There is no such order."),
         };
         self.board.give(order);
@@ -199,6 +262,7 @@ impl Desk {
         let ([width, height], (halves, factor)) = (shot.size(), plane.halves());
         let frame = Frame {
             shot: shot.number,
+            wish: shot.wish,
             samples: shot.samples,
             width,
             height,

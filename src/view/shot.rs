@@ -15,6 +15,8 @@ pub(super) const DENOISED: &str = "denoised";
 pub(super) struct Shot {
     /// Number of the shot, counted from 1.
     pub number: u64,
+    /// Number of the viewer's wish that the camera follows; 0 without one.
+    pub wish: u64,
     /// Samples per pixel.
     pub samples: u64,
     /// Seconds of rendering.
@@ -37,7 +39,12 @@ pub(super) enum Content {
 impl Shot {
     pub fn new(number: u64, samples: u64, seconds: f64, content: Content) -> Self {
         let (noise, denoised) = (OnceLock::new(), OnceLock::new());
-        Self { number, samples, seconds, content, noise, denoiser: None, denoised }
+        Self { number, wish: 0, samples, seconds, content, noise, denoiser: None, denoised }
+    }
+
+    /// Names the wish that the camera follows.
+    pub fn following(self, wish: u64) -> Self {
+        Self { wish, ..self }
     }
 
     /// Lets the page ask for a layer `denoised` of a rendered picture.

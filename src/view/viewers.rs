@@ -229,13 +229,13 @@ impl Viewers {
 }
 
 /// Word of the sampler on the command line.
-fn sampler_word(settings: &Settings) -> String {
+pub(super) fn sampler_word(settings: &Settings) -> String {
     let setting = options::find("sampler").and_then(|option| option.setting);
     setting.map(|setting| (setting.get)(settings).to_string()).unwrap_or_default()
 }
 
 /// Notes the progress after a step.
-fn note_step(pinned: &mut Pinned, session: &Session) {
+pub(super) fn note_step(pinned: &mut Pinned, session: &Session) {
     let (progress, history) = (session.progress(), session.history());
     let state = &mut pinned.state;
     note_progress(state, &progress);
@@ -282,7 +282,7 @@ fn end(pinned: &mut Pinned, ending: Ending, progress: &Progress) {
 }
 
 /// Copies what the guide has learned, if there is a guide that is not too large.
-fn copy_guide(session: &Session, board: &Board, number: u64) -> Result<()> {
+pub(super) fn copy_guide(session: &Session, board: &Board, number: u64) -> Result<()> {
     let known = board.lock().cells.clone();
     let cells = match (known, session.cells()) {
         (_, Err(reason)) => {

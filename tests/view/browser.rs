@@ -146,6 +146,30 @@ impl Browser {
         }
     }
 
+    /// Drags from one point of the window to another, in a few steps.
+    pub fn drag(&mut self, tab: &Tab, from: [f64; 2], to: [f64; 2]) {
+        const STEPS: u32 = 6;
+        let at =
+            |step: u32| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * f64::from(step) / f64::from(STEPS));
+        let mut events = vec![("mouseMoved", 0, at(0)), ("mousePressed", 1, at(0))];
+        events.extend((1..=STEPS).map(|step| ("mouseMoved", 1, at(step))));
+        events.push(("mouseReleased", 0, at(STEPS)));
+        for (kind, buttons, [x, y]) in events {
+            let button = if buttons == 0 && kind == "mouseMoved" { "none" } else { "left" };
+            let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
+            self.send(Some(tab), "Input.dispatchMouseEvent", event);
+            thread::sleep(Duration::from_millis(60));
+        }
+    }
+
+    /// Holds a key for a time.
+    pub fn hold(&mut self, tab: &Tab, key: &str, code: &str, time: Duration) {
+        for kind in ["keyDown", "keyUp"] {
+            self.send(Some(tab), "Input.dispatchKeyEvent", json!({ "type": kind, "key": key, "code": code }));
+            thread::sleep(time);
+        }
+    }
+
     /// Presses a key.
     pub fn press(&mut self, tab: &Tab, key: &str, code: u32) {
         for kind in ["keyDown", "keyUp"] {

@@ -3,6 +3,7 @@
 mod browser;
 mod display;
 mod hostile;
+mod moving;
 mod page;
 mod program;
 mod server;

@@ -13,7 +13,7 @@ const PIXELS: [[u32; 2]; 3] = [[22, 87], [6, 40], [90, 56]];
 const MOST_DEGREES: f64 = 14.0;
 
 /// Browser, or `None` with one sentence where there is none.
-fn browser() -> Option<Browser> {
+pub fn browser() -> Option<Browser> {
     let program = program();
     if program.is_none() {
         println!(
@@ -84,7 +84,8 @@ fn samples(browser: &mut Browser, tab: &Tab) -> u64 {
     browser.value(tab, "Number(document.getElementById('picture').dataset.samples ?? 0)").as_u64().unwrap()
 }
 
-fn phase(name: &str) -> String {
+/// Expression that is true in a phase.
+pub fn phase(name: &str) -> String {
     format!("document.getElementById('phase').dataset.phase === '{name}'")
 }
 

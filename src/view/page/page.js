@@ -2,6 +2,7 @@
 
 import { drawCurve } from "./curve.js";
 import { drawRamp, facts, showGuide } from "./guide.js";
+import { Mover } from "./move.js";
 import { Layer, Stage, short } from "./picture.js";
 
 const find = (id) => document.getElementById(id);
@@ -11,7 +12,7 @@ const VARIABLE = "LODESTAR_VIEW_TOKEN";
 const MISSING = "This address lacks the render’s token: open the one that the render has printed on its terminal.";
 const PHASES = {
   preparing: "Preparing", rendering: "Rendering", pausing: "Pausing after this step", paused: "Paused",
-  stopping: "Stopping", ended: "Ended", file: "File", lost: "No connection", locked: "No token",
+  stopping: "Stopping", ended: "Ended", file: "File", lost: "No connection", locked: "No token", moving: "Moving", resting: "At rest",
 };
 /** Colors with which a layer is shown first. */
 const CURVES = { variance: "false", samples: "false", depth: "false", hits: "false", normal: "signed" };
@@ -26,6 +27,28 @@ let [layer, pixel, hovered, fetching, stopAsked] = [null, null, null, false, 0];
 let failure = "";
 const choices = {};
 const stage = new Stage(find("picture"), pick, hover);
+/** Labels of the picture: where keys move a mark, and where they move the camera. */
+const LOOKS = find("readout").textContent;
+const MOVES = "Drag to orbit, with Shift to shift; the wheel goes nearer; W A S D walk; a click focuses.";
+const LABELS = [
+  find("picture").getAttribute("aria-label"),
+  "The picture. Arrow keys turn the camera, W, A, S, D, Q and E walk, plus and minus go nearer and farther, Enter focuses on the middle, N denoises.",
+];
+const mover = new Mover({
+  ask: (...request) => ask(...request),
+  say: (text) => say(text),
+  short,
+  layer: () => find("layer").value,
+  middle: () => [layer.width >> 1, layer.height >> 1],
+  pictureWidth: () => layer.width * stage.scale,
+  show: async (answer) => {
+    await showAnswer(answer);
+    noteShown();
+    return layer.wish;
+  },
+  rest: () => { showMoves(); refresh(); },
+});
+stage.steer = mover;
 
 /** Says a sentence to screen readers. */
 function say(text) {
@@ -58,7 +81,8 @@ function showState() {
     find("scene").title = state.scene;
     document.title = `${phase === "rendering" ? `${Math.floor(100 * state.fraction)} % ` : ""}${plain(state.scene)} · Lodestar`;
   }
-  find("orders").hidden = phase === "file";
+  find("orders").hidden = phase === "file" || Boolean(state.view);
+  showMoves();
   find("progress").value = state.fraction ?? 0;
   find("pause").textContent = phase === "paused" || phase === "pausing" ? "Go on" : "Pause";
   for (const id of ["pause", "write", "stop"]) {
@@ -90,22 +114,83 @@ function showState() {
   find("curves-part").hidden = find("errors").hidden && find("noise").hidden;
 }
 
+/** Shows where the camera is, if it can be moved. */
+function showMoves() {
+  const { view, phase } = state, isRendering = phase === "rendering";
+  find("moves").hidden = find("view-orders").hidden = !view;
+  if (!view) return;
+  const isOver = ["ended", "lost", "locked", "stopping"].includes(phase);
+  mover.take(view, isRendering || isOver);
+  if (!find("cameras").options.length) loadCameras().catch(() => {});
+  for (const id of ["cameras", "back", "lens"]) find(id).disabled = mover.isLocked;
+  [find("copy").disabled, find("render").disabled] = [isOver, isOver];
+  find("render").textContent = isRendering ? "End and save" : "Render this";
+  if (document.activeElement !== find("lens")) find("lens").value = mover.lensValue();
+  find("radius").value = mover.pose.aperture > 0 ? short(mover.pose.aperture) : "closed";
+  find("lens").setAttribute("aria-valuetext", mover.pose.aperture > 0 ? `radius ${short(mover.pose.aperture)}` : "closed");
+  const names = layer?.layers ?? [];
+  find("denoised").disabled = !names.includes("denoised");
+  find("denoised").checked = find("layer").value === "denoised";
+  const label = LABELS[mover.isOn() ? 1 : 0];
+  if (find("picture").getAttribute("aria-label") !== label) find("picture").setAttribute("aria-label", label);
+  if (mover.isOn() && pixel) forgetPixel();
+  if (!hovered) find("readout").textContent = mover.isOn() ? MOVES : LOOKS;
+}
+
+/** Cameras of the scene. The page asks for them once. */
+async function loadCameras() {
+  const select = find("cameras");
+  if (select.dataset.asked) return;
+  select.dataset.asked = "yes";
+  const cameras = await (await ask("/cameras")).json();
+  select.replaceChildren(...cameras.map(([name], at) => new Option(name, at)));
+  select.value = mover.pose.camera;
+  const go = () => { mover.go(cameras[select.value][1]); say(`Camera ${cameras[select.value][0]}`); };
+  select.addEventListener("change", go);
+  find("back").addEventListener("click", go);
+}
+
+/** Forgets the pixel that was looked at, because the camera has moved. */
+function forgetPixel() {
+  [pixel, hovered, stage.mark] = [null, null, null];
+  find("pixel-part").hidden = true;
+}
+
+/** Shows a layer that the server has answered with. */
+async function showAnswer(answer) {
+  layer = new Layer(JSON.parse(answer.headers.get("X-Frame")), await answer.arrayBuffer());
+  stage.isSmall = Boolean(state.view) && layer.width < state.view.size[0];
+  showLayers(layer.layers);
+  showPicture();
+}
+
+/** Notes for tests which picture is shown. */
+function noteShown() {
+  Object.assign(find("picture").dataset, { shot: layer.shot, samples: layer.samples, size: `${layer.width} ${layer.height}` });
+}
+
+/** Chooses the denoised layer, or the radiance. */
+function denoise(isWanted) {
+  const name = isWanted ? "denoised" : "radiance";
+  if (!(layer?.layers ?? []).includes(name)) return say("There is no denoiser.");
+  find("layer").value = name;
+  find("layer").dispatchEvent(new Event("change"));
+  say(isWanted ? "Denoised" : "Not denoised");
+}
+
 /** Fetches the chosen layer if there is a newer shot, one at a time. */
 async function refresh(isForced = false) {
   const name = find("layer").value;
   const isOld = !layer || layer.shot < state.shot || layer.layer !== name;
-  if (fetching || document.hidden || !state.shot || !(isOld || isForced)) return;
+  if (fetching || mover.isBusy || document.hidden || !state.shot || !(isOld || isForced)) return;
   fetching = true;
   if (layer && layer.layer !== name) wait(`Waiting for the layer ${name}`);
   try {
     const answer = await ask(`/layer?name=${encodeURIComponent(name)}`);
     if (answer.status === 200) {
-      layer = new Layer(JSON.parse(answer.headers.get("X-Frame")), await answer.arrayBuffer());
-      showLayers(layer.layers);
-      showPicture();
+      await showAnswer(answer);
       await Promise.all([refreshPixel(), refreshCells()]);
-      find("picture").dataset.shot = layer.shot;
-      find("picture").dataset.samples = layer.samples;
+      noteShown();
     } else if (answer.status === 404) {
       // The layer cannot be made, and is offered no longer.
       failure = (await answer.text()).trim();
@@ -286,6 +371,24 @@ find("stop").addEventListener("click", () => {
   say("Press again to stop the render and save the picture.");
   setTimeout(() => { button.textContent = "Stop and save"; button.classList.remove("asking"); }, SURE);
 });
+find("drag").addEventListener("change", () => { mover.mode = find("drag").value; showMoves(); stage.paint(); });
+find("lens").addEventListener("input", () => { mover.openLens(Number(find("lens").value)); showMoves(); });
+find("denoised").addEventListener("change", () => denoise(find("denoised").checked));
+find("render").addEventListener("click", () => order("render"));
+find("copy").addEventListener("click", async () => {
+  const text = await (await ask("/camera.xml")).text();
+  find("xml-text").value = text;
+  find("xml").showModal();
+  find("xml-text").select();
+  // Only pages of this machine may write the clipboard; elsewhere the text is selected.
+  const isCopied = await navigator.clipboard?.writeText(text).then(() => true, () => false);
+  say(isCopied ? "The XML of the camera is copied." : "The XML of the camera is selected.");
+});
+find("picture").addEventListener("keyup", (event) => mover.letGo(event.code));
+find("picture").addEventListener("keydown", (event) => {
+  if (event.code === "KeyN" && state.view && !event.ctrlKey && !event.metaKey) denoise(find("layer").value !== "denoised");
+});
+find("picture").addEventListener("blur", () => mover.letAllGo());
 document.addEventListener("visibilitychange", () => refresh());
 // The link to the picture must not take the token's place in the address, and a new token begins the page anew.
 document.querySelector(".skip").addEventListener("click", (event) => { event.preventDefault(); find("picture").focus(); });

@@ -117,17 +117,27 @@ export class Stage {
     canvas.addEventListener("pointerdown", (event) => this.down(event));
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", (event) => this.up(event));
-    canvas.addEventListener("pointercancel", (event) => this.pointers.delete(event.pointerId));
+    canvas.addEventListener("pointercancel", (event) => { this.pointers.delete(event.pointerId); this.steer?.onRest(); });
     canvas.addEventListener("keydown", (event) => this.key(event));
+    canvas.addEventListener("contextmenu", (event) => this.isSteered() && event.preventDefault());
+  }
+
+  /** Whether pointers and keys move a camera in place of the picture. `steer` is who moves it. */
+  isSteered() {
+    return Boolean(this.steer?.isOn());
   }
 
   /** Shows a layer by a curve and an exposure in stops. */
   show(layer, curve, stops) {
     const { width, height } = layer;
     if (this.pixels.width !== width || this.pixels.height !== height || !this.data) {
+      const factor = this.pixels.width / width, isSameView = this.data && Math.abs(this.pixels.height / height / factor - 1) < 0.05;
       [this.pixels.width, this.pixels.height] = [width, height];
       this.data = new ImageData(width, height);
-      this.fits = true;
+      // A smaller picture of a camera that moves stays where the larger one was.
+      if (isSameView && !this.fits) this.scale *= factor;
+      else this.fits = true;
+      this.mark = null;
     }
     this.layer = layer;
     layer.draw(this.data.data, curve, stops);
@@ -199,6 +209,7 @@ export class Stage {
 
   wheel(event) {
     event.preventDefault();
+    if (this.isSteered()) return this.steer.onWheel(-event.deltaY / 120);
     this.zoom(2 ** (-event.deltaY / 240), [event.offsetX, event.offsetY]);
   }
 
@@ -217,7 +228,10 @@ export class Stage {
     this.pointers.set(event.pointerId, now);
     if (others.length === 1) {
       const spread = (point) => Math.hypot(point[0] - others[0][0], point[1] - others[0][1]);
+      if (this.isSteered()) return this.steer.onPinch(Math.max(1, spread(now)) / Math.max(1, spread(before)), step);
       this.zoom(spread(now) / Math.max(1, spread(before)), others[0]);
+    } else if (this.isSteered()) {
+      if (this.moved > 4) this.steer.onDrag(step, event);
     } else if (this.moved > 4 && !(this.fits && event.pointerType === "touch")) {
       [this.x, this.y, this.fits] = [this.x + step[0], this.y + step[1], false];
       this.paint();
@@ -227,11 +241,13 @@ export class Stage {
   up(event) {
     const isClick = this.pointers.delete(event.pointerId) && this.moved <= 4;
     const pixel = isClick && this.pixelAt(event.offsetX, event.offsetY);
+    if (this.isSteered()) return pixel ? this.steer.onClick(pixel).catch(() => {}) : this.steer.onRest();
     if (pixel) this.pick(pixel);
   }
 
   key(event) {
     if (!this.layer || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (this.isSteered() && this.steer.onKey(event)) return event.preventDefault();
     const { width, height } = this.layer, stride = event.shiftKey ? 10 : 1;
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
     const step = steps[event.key], mark = this.mark ?? [width >> 1, height >> 1];
@@ -265,18 +281,19 @@ export class Stage {
 
   paintNow() {
     const context = this.canvas.getContext("2d"), ratio = window.devicePixelRatio || 1;
-    this.canvas.classList.toggle("zoomed", !this.fits);
+    this.canvas.classList.toggle("zoomed", !this.fits || this.isSteered());
+    this.canvas.classList.toggle("steered", this.isSteered());
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     if (!this.layer) return;
     const { width, height } = this.layer;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.imageSmoothingEnabled = this.scale * ratio < 1;
+    context.imageSmoothingEnabled = this.isSmall || this.scale * ratio < 1;
     context.imageSmoothingQuality = "high";
     const box = [this.x, this.y, width * this.scale, height * this.scale];
     context.drawImage(this.pixels, ...box);
     if (this.cells && this.overlay.width === width && this.overlay.height === height) this.paintCells(context, box, ratio);
-    if (this.scale >= VALUES_FROM) this.paintValues(context);
+    if (this.scale >= VALUES_FROM && !this.isSmall) this.paintValues(context);
     if (this.mark) this.paintMark(context);
   }
 
