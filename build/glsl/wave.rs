@@ -1,5 +1,6 @@
-//! Writer of what a wave keeps of a path between kernels: the members that GLSL marks by `KEPT(part)`. Each struct has a place
-//! in every path's slot, of whole quadruples of words. A part of a struct is stored and loaded alone.
+//! Writer of what a wave keeps of a path between kernels: the members that GLSL marks by `KEPT(part)`. A part of a struct is
+//! stored and loaded alone. It has whole quadruples of words in every path's slot, and lies together for all slots, so that
+//! memory that no kernel of a scene needs is not touched.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -45,8 +46,7 @@ pub fn write(records: &Records) -> Result<(String, usize), String> {
     let (mut functions, mut slot) = (String::new(), 0);
     for declared in marked.into_iter().filter(|declared| !within.contains(&declared.name[..])) {
         let parts = parts(records, declared)?;
-        functions += &struct_functions(&declared.name, &parts, slot);
-        slot += parts.iter().map(|part| part.quadruples.len()).sum::<usize>();
+        functions += &struct_functions(&declared.name, &parts, &mut slot);
         let _ = writeln!(includes, "#include \"{}\"", file_of(&declared.place).trim_start_matches("glsl/include/"));
     }
     let code = format!(
@@ -108,33 +108,34 @@ fn words(leaves: &[Leaf]) -> usize {
     leaves.iter().map(|leaf| leaf.words).sum()
 }
 
-/// Functions that store and load the parts of a struct, whose quadruples begin at `first` in every slot.
-fn struct_functions(name: &str, parts: &[Part], first: usize) -> String {
+/// Functions that store and load the parts of a struct. `slot` is the number of a slot's quadruples before them, and then with
+/// them.
+fn struct_functions(name: &str, parts: &[Part], slot: &mut usize) -> String {
     let snake = snake_case(name);
-    let count: usize = parts.iter().map(|part| part.quadruples.len()).sum();
-    let mut code = format!(
-        "\nuint {snake}_at(uint slot, uint quadruple) {{\n    \
-         return {first}u * slot_count() + {count}u * slot + quadruple;\n}}\n"
-    );
-    let mut first = 0;
+    let mut code = String::new();
     for Part { name: part, quadruples } in parts {
         let own = if parts.len() == 1 { snake.clone() } else { format!("{snake}_{part}") };
         let (mut stores, mut loads) = (String::new(), String::new());
-        for (at, leaves) in (first..).zip(quadruples) {
+        for (at, leaves) in quadruples.iter().enumerate() {
             let stored: Vec<_> = leaves.iter().map(Leaf::stored).collect();
             let unused = ", 0u".repeat(QUADRUPLE - words(leaves));
-            let _ =
-                writeln!(stores, "    store_scratch({snake}_at(slot, {at}u), uvec4({}{unused}));", stored.join(", "));
-            let _ = writeln!(loads, "    uvec4 quadruple{at} = load_scratch({snake}_at(slot, {at}u));");
+            let _ = writeln!(stores, "    store_scratch({own}_at(slot, {at}u), uvec4({}{unused}));", stored.join(", "));
+            let _ = writeln!(loads, "    uvec4 quadruple{at} = load_scratch({own}_at(slot, {at}u));");
             let mut word = 0;
             for leaf in leaves {
                 let _ = writeln!(loads, "    x{} = {};", leaf.path, leaf.loaded(at, word));
                 word += leaf.words;
             }
         }
+        let _ = writeln!(
+            code,
+            "\nuint {own}_at(uint slot, uint quadruple) {{\n    \
+             return {slot}u * slot_count() + {}u * slot + quadruple;\n}}",
+            quadruples.len()
+        );
         let _ = writeln!(code, "\nvoid store_{own}(uint slot, {name} x) {{\n{stores}}}");
         let _ = writeln!(code, "\nvoid load_{own}(uint slot, inout {name} x) {{\n{loads}}}");
-        first += quadruples.len();
+        *slot += quadruples.len();
     }
     code
 }

@@ -6,24 +6,24 @@
 //! are left to the driver.
 
 mod blocks;
+mod code;
 mod values;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
-use rspirv::binary::Assemble;
-use rspirv::dr::{Module, Operand, load_words};
-use rspirv::spirv::{Decoration, Op};
+use rspirv::spirv::{Decoration, Op, Word};
 
+use code::{Instruction, Module, is};
 use values::Values;
 
 /// Decides every branch that the constants, given as (id, bits), decide, and removes blocks that are then unreachable.
 /// Returns the words of the new module; `None` where the module cannot be read, which the driver will report.
-pub fn resolve_branches(words: &[u32], constants: &[(u32, u32)]) -> Option<Vec<u32>> {
-    let mut module = load_words(words).ok()?;
-    let spec_ids = spec_ids(&module);
+pub fn resolve_branches(words: &[Word], constants: &[(u32, u32)]) -> Option<Vec<Word>> {
+    let mut module = Module::parse(words)?;
+    let spec_ids = spec_ids(&module.globals);
     let constants: HashMap<u32, u32> = constants.iter().copied().collect();
-    let globals = Values::of_globals(&module, |id| constants.get(spec_ids.get(&id)?).copied());
-    let mut bound = module.header.as_ref()?.bound;
+    let mut bound = *module.bound();
+    let globals = Values::of_globals(&module.globals, bound, |id| constants.get(spec_ids.get(&id)?).copied());
     let mut undefined = Vec::new();
     for function in &mut module.functions {
         // Removing a branch may leave a phi with a single value, which may decide another branch.
@@ -31,32 +31,32 @@ pub fn resolve_branches(words: &[u32], constants: &[(u32, u32)]) -> Option<Vec<u
             undefined.extend(blocks::remove_unreachable(function, &mut bound));
         }
     }
-    module.types_global_values.extend(undefined);
-    module.header.as_mut()?.bound = bound;
+    module.globals.extend(undefined);
+    *module.bound() = bound;
     forget_removed(&mut module);
     Some(module.assemble())
 }
 
 /// Specialization constant ids by result id.
-fn spec_ids(module: &Module) -> HashMap<u32, u32> {
-    let of = |operands: &[Operand]| match *operands {
-        [Operand::IdRef(target), Operand::Decoration(Decoration::SpecId), Operand::LiteralBit32(id)] => {
+fn spec_ids(globals: &[Instruction]) -> HashMap<Word, u32> {
+    let of = |code: &Instruction| match code[1..] {
+        [target, decoration, id] if is(code, Op::Decorate) && decoration == Decoration::SpecId as u32 => {
             Some((target, id))
         }
         _ => None,
     };
-    module.annotations.iter().filter_map(|i| of(&i.operands)).collect()
+    globals.iter().filter_map(of).collect()
 }
 
 /// Drops names and decorations of removed ids.
 fn forget_removed(module: &mut Module) {
-    let defined: HashSet<u32> = module.all_inst_iter().filter_map(|i| i.result_id).collect();
-    let is_about_removed = |operands: &[Operand]| match operands.first() {
-        Some(Operand::IdRef(target)) => !defined.contains(target),
-        _ => false,
-    };
-    module.debug_names.retain(|i| i.class.opcode == Op::MemberName || !is_about_removed(&i.operands));
-    module.annotations.retain(|i| !is_about_removed(&i.operands));
+    let defined = module.defined();
+    let is_removed = |id: Word| !defined.get(id as usize).copied().unwrap_or(false);
+    module.globals.retain(|code| {
+        let is_about_an_id =
+            [Op::Name, Op::Decorate, Op::DecorateId, Op::DecorateString].iter().any(|&op| is(code, op));
+        !is_about_an_id || code.get(1).is_none_or(|&id| !is_removed(id))
+    });
 }
 
 #[cfg(test)]
@@ -65,6 +65,7 @@ mod tests {
     use crate::generated::interface::KernelSource;
     use crate::generated::kernels::{BackEnd, Registry, Variant};
     use crate::spirv::tools::{self, ToolFault};
+    use rspirv::dr::load_words;
 
     fn words(source: &KernelSource) -> Vec<u32> {
         source.spirv.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()

@@ -25,11 +25,11 @@ struct Path {
     KEPT(guide) vec3 previous_position;  // of the last surface that has scattered the path
     // Surfaces through which the path has gone straight on since then, or since the camera; the mean share of light that they, and media
     // on the way, let through, and the mean radiance that they add to the segment.
-    KEPT(ray) uint straight;
-    KEPT(guide) float straight_share;
-    KEPT(guide) float straight_light;
+    KEPT(way) uint straight;
+    KEPT(way) float straight_share;
+    KEPT(way) float straight_light;
     KEPT(guide) ShareEvidence evidence;  // of the ray's direction
-    KEPT(ray) uint medium;   // number of the medium that the ray travels in
+    KEPT(way) uint medium;   // number of the medium that the ray travels in
     vec3 flown;  // weight of the ray's flight through a grid, albedo excluded
     PathVertex last_vertex;  // for learners that keep vertices
 };

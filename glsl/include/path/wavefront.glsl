@@ -206,6 +206,7 @@ void store_path(uint slot, Path path) {
     if (path.depth == 0u) return;
     store_path_ray(slot, path);
     if (keeps_origin()) store_path_guide(slot, path);
+    if (weakens_light()) store_path_way(slot, path);
 }
 
 // Sets the time to that of a slot's path.
@@ -220,6 +221,7 @@ Path load_path(uint slot) {
     load_path_light(slot, path);
     load_path_ray(slot, path);
     if (keeps_origin()) load_path_guide(slot, path);
+    if (weakens_light()) load_path_way(slot, path);
     path.key = key_of_slot(slot, pixel_of(path));
     set_moment(path.key);
     path.depth = push.edge + 1u;
@@ -233,7 +235,7 @@ bool slot_comes_from_camera(uint slot) {
     if (HIDE_EMITTERS) {
         if (lets_through() && push.edge != 0u) {
             Path path;
-            load_path_ray(slot, path);
+            load_path_way(slot, path);
             return path.straight == push.edge;
         }
     }

@@ -3,10 +3,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use rspirv::dr::{Block, Function, Instruction, Operand};
-use rspirv::grammar::INSTRUCTION_TABLE;
 use rspirv::spirv::{Op, Word};
 
+use super::code::{Block, Function, Instruction, instruction, is};
 use super::values::Values;
 
 /// Replaces each branch whose condition is known by a jump to its target. Returns whether there were any.
@@ -23,99 +22,91 @@ pub(super) fn decide(function: &mut Function, globals: &Values) -> bool {
 
 fn decide_block(block: &mut Block, values: &Values) -> bool {
     let Some(last) = block.instructions.last() else { return false };
-    let condition = || last.operands.first().and_then(Operand::id_ref_any).and_then(|id| values.get(id));
-    match last.class.opcode {
-        Op::BranchConditional => {
-            let Some(condition) = condition() else { return false };
-            let target = last.operands[if condition == 0 { 2 } else { 1 }].clone();
+    if is(last, Op::BranchConditional) && last.len() >= 4 {
+        let Some(condition) = values.get(last[1]) else { return false };
+        let target = last[if condition == 0 { 3 } else { 2 }];
+        block.instructions.pop();
+        // A loop keeps its merge instruction.
+        if block.instructions.last().is_some_and(|i| is(i, Op::SelectionMerge)) {
             block.instructions.pop();
-            // A loop keeps its merge instruction.
-            if block.instructions.last().is_some_and(|i| i.class.opcode == Op::SelectionMerge) {
-                block.instructions.pop();
-            }
-            block.instructions.push(instruction(Op::Branch, None, None, vec![target]));
-            true
         }
-        // Blocks inside may break out of a switch, so it stays a switch, of a single case.
-        Op::Switch if last.operands.len() > 2 => {
-            let Some(selector) = condition() else { return false };
-            let is_chosen = |case: &&[Operand]| case[0] == Operand::LiteralBit32(selector);
-            let target = last.operands[2..].chunks(2).find(is_chosen).map_or(&last.operands[1], |case| &case[1]);
-            let operands = vec![last.operands[0].clone(), target.clone()];
-            block.instructions.pop();
-            block.instructions.push(instruction(Op::Switch, None, None, operands));
-            true
-        }
-        _ => false,
+        block.instructions.push(instruction(Op::Branch, &[target]));
+        return true;
     }
+    // Blocks inside may break out of a switch, so it stays a switch, of a single case.
+    if is(last, Op::Switch) && last.len() > 3 {
+        let Some(selector) = values.get(last[1]) else { return false };
+        let target = last[3..].chunks_exact(2).find(|case| case[0] == selector).map_or(last[2], |case| case[1]);
+        let decided = instruction(Op::Switch, &[last[1], target]);
+        block.instructions.pop();
+        block.instructions.push(decided);
+        return true;
+    }
+    false
 }
 
 /// Removes unreachable blocks and their entries in phis. Returns definitions of undefined values that are now needed;
 /// their ids start at `bound`, which grows.
-pub(super) fn remove_unreachable(function: &mut Function, bound: &mut Word) -> Vec<Instruction> {
+pub(super) fn remove_unreachable<'a>(function: &mut Function<'a>, bound: &mut Word) -> Vec<Instruction<'a>> {
     let reached = reached(function);
     // A construct needs a merge block and a continue target even where they are unreachable.
     let mut merges = HashSet::new();
     let mut headers = HashMap::new();
-    for block in function.blocks.iter().filter(|block| reached.contains(&label(block))) {
+    for block in function.blocks.iter().filter(|block| reached.contains(&block.label)) {
         for i in &block.instructions {
-            match i.class.opcode {
-                Op::SelectionMerge => _ = merges.insert(id(i, 0)),
-                Op::LoopMerge => {
-                    merges.insert(id(i, 0));
-                    headers.insert(id(i, 1), label(block));
-                }
-                _ => {}
+            if is(i, Op::SelectionMerge) && i.len() > 1 {
+                merges.insert(i[1]);
+            } else if is(i, Op::LoopMerge) && i.len() > 2 {
+                merges.insert(i[1]);
+                headers.insert(i[2], block.label);
             }
         }
     }
     function.blocks.retain_mut(|block| {
-        let label = label(block);
-        if reached.contains(&label) {
+        if reached.contains(&block.label) {
             return true;
         }
-        let stub = match headers.get(&label) {
-            Some(&header) => instruction(Op::Branch, None, None, vec![Operand::IdRef(header)]),
-            None => instruction(Op::Unreachable, None, None, Vec::new()),
-        };
+        let header = headers.get(&block.label);
+        let stub = header.map_or_else(|| instruction(Op::Unreachable, &[]), |&head| instruction(Op::Branch, &[head]));
         block.instructions = vec![stub];
-        headers.contains_key(&label) || merges.contains(&label)
+        header.is_some() || merges.contains(&block.label)
     });
     mend_phis(function, &reached, bound)
 }
 
 /// Gives every phi one value for each block that leads to it.
-fn mend_phis(function: &mut Function, reached: &HashSet<Word>, bound: &mut Word) -> Vec<Instruction> {
+fn mend_phis<'a>(function: &mut Function<'a>, reached: &HashSet<Word>, bound: &mut Word) -> Vec<Instruction<'a>> {
     let mut predecessors: HashMap<Word, Vec<Word>> = HashMap::new();
     for block in &function.blocks {
         for target in targets(block) {
-            predecessors.entry(target).or_default().push(label(block));
+            predecessors.entry(target).or_default().push(block.label);
         }
     }
     let mut undefined = Vec::new();
     for block in &mut function.blocks {
-        let from = predecessors.get(&label(block)).map(Vec::as_slice).unwrap_or_default();
-        for phi in block.instructions.iter_mut().filter(|i| i.class.opcode == Op::Phi) {
-            let is_kept = |pair: &&[Operand]| {
-                pair[1].id_ref_any().is_some_and(|block| from.contains(&block) && reached.contains(&block))
-            };
-            let mut kept: Vec<Operand> = phi.operands.chunks(2).filter(is_kept).flatten().cloned().collect();
+        let from = predecessors.get(&block.label).map(Vec::as_slice).unwrap_or_default();
+        for phi in block.instructions.iter_mut().filter(|i| is(i, Op::Phi) && i.len() > 2) {
+            let is_kept = |pair: &&[Word]| from.contains(&pair[1]) && reached.contains(&pair[1]);
+            let mut operands = phi[1..3].to_vec();
+            operands.extend(phi[3..].chunks_exact(2).filter(is_kept).flatten());
             // An unreachable continue target jumps to the loop's head, so the phi needs a value for it.
             for stub in from.iter().filter(|block| !reached.contains(block)) {
-                undefined.push(instruction(Op::Undef, phi.result_type, Some(*bound), Vec::new()));
-                kept.extend([Operand::IdRef(*bound), Operand::IdRef(*stub)]);
+                undefined.push(instruction(Op::Undef, &[phi[1], *bound]));
+                operands.extend([*bound, *stub]);
                 *bound += 1;
             }
-            phi.operands = kept;
+            if operands.len() + 1 != phi.len() || operands[..] != phi[1..] {
+                *phi = instruction(Op::Phi, &operands);
+            }
         }
     }
     undefined
 }
 
 fn reached(function: &Function) -> HashSet<Word> {
-    let by_label: HashMap<Word, &Block> = function.blocks.iter().map(|block| (label(block), block)).collect();
+    let by_label: HashMap<Word, &Block> = function.blocks.iter().map(|block| (block.label, block)).collect();
     let mut reached = HashSet::new();
-    let mut open: Vec<Word> = function.blocks.first().map(label).into_iter().collect();
+    let mut open: Vec<Word> = function.blocks.first().map(|block| block.label).into_iter().collect();
     while let Some(next) = open.pop() {
         if reached.insert(next)
             && let Some(block) = by_label.get(&next)
@@ -129,26 +120,18 @@ fn reached(function: &Function) -> HashSet<Word> {
 /// Blocks to which a block may jump, each once.
 fn targets(block: &Block) -> Vec<Word> {
     let Some(last) = block.instructions.last() else { return Vec::new() };
-    let all = last.operands.iter().filter_map(Operand::id_ref_any);
-    let mut targets: Vec<Word> = match last.class.opcode {
-        Op::Branch => all.collect(),
-        // The condition comes first.
-        Op::BranchConditional | Op::Switch => all.skip(1).collect(),
-        _ => Vec::new(),
+    let operands = &last[1..];
+    // The condition of a branch comes first, and weights may come last. Cases of a switch follow its default.
+    let mut targets: Vec<Word> = if is(last, Op::Branch) {
+        operands.to_vec()
+    } else if is(last, Op::BranchConditional) {
+        operands.iter().skip(1).take(2).copied().collect()
+    } else if is(last, Op::Switch) {
+        operands.iter().skip(1).step_by(2).copied().collect()
+    } else {
+        Vec::new()
     };
     targets.sort_unstable();
     targets.dedup();
     targets
-}
-
-fn label(block: &Block) -> Word {
-    block.label.as_ref().and_then(|label| label.result_id).unwrap_or_default()
-}
-
-fn id(instruction: &Instruction, place: usize) -> Word {
-    instruction.operands.get(place).and_then(Operand::id_ref_any).unwrap_or_default()
-}
-
-fn instruction(opcode: Op, ty: Option<Word>, result: Option<Word>, operands: Vec<Operand>) -> Instruction {
-    Instruction { class: INSTRUCTION_TABLE.get(opcode), result_type: ty, result_id: result, operands }
 }

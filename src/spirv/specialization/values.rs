@@ -1,30 +1,34 @@
 //! Scalars that are known before a kernel runs: 32-bit integers, and booleans as 0 and 1.
 
-use std::collections::HashMap;
+use rspirv::spirv::{Op, Word};
 
-use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::Op;
+use super::code::{self, Instruction};
+
+/// Words of an instruction before its operands: the first, the type and the id of its result.
+const OPERANDS: usize = 3;
 
 /// Known values by result id.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Values(HashMap<u32, u32>);
+#[derive(Debug, Clone)]
+pub(super) struct Values(Vec<Option<u32>>);
 
 impl Values {
-    /// Values of a module's constants; `specialized` gives the bits of the specialization constants that are set.
-    pub fn of_globals(module: &Module, specialized: impl Fn(u32) -> Option<u32>) -> Self {
-        let mut values = Self::default();
-        for instruction in &module.types_global_values {
-            let chosen = || instruction.result_id.and_then(&specialized);
-            let value = match (instruction.class.opcode, instruction.operands.first()) {
-                (Op::ConstantTrue, _) => Some(1),
-                (Op::ConstantFalse, _) => Some(0),
-                (Op::SpecConstantTrue, _) => chosen().or(Some(1)),
-                (Op::SpecConstantFalse, _) => chosen().or(Some(0)),
-                (Op::Constant, Some(&Operand::LiteralBit32(bits))) => Some(bits),
-                (Op::SpecConstant, Some(&Operand::LiteralBit32(bits))) => chosen().or(Some(bits)),
-                (Op::SpecConstantOp, Some(&Operand::LiteralSpecConstantOpInteger(operation))) => {
-                    values.result(operation, &instruction.operands[1..])
-                }
+    /// Values of a module's constants, whose ids are below `bound`; `specialized` gives the bits of the specialization constants that are
+    /// set.
+    pub fn of_globals(globals: &[Instruction], bound: Word, specialized: impl Fn(Word) -> Option<u32>) -> Self {
+        let mut values = Self(vec![None; bound as usize]);
+        for instruction in globals {
+            let chosen = || specialized(code::result(instruction)?);
+            let value = match Op::from_u32(code::operation(instruction)) {
+                Some(Op::ConstantTrue) => Some(1),
+                Some(Op::ConstantFalse) => Some(0),
+                Some(Op::SpecConstantTrue) => chosen().or(Some(1)),
+                Some(Op::SpecConstantFalse) => chosen().or(Some(0)),
+                // A number of 64 bits has two words, and is not known.
+                Some(Op::Constant) if instruction.len() == OPERANDS + 1 => Some(instruction[OPERANDS]),
+                Some(Op::SpecConstant) if instruction.len() == OPERANDS + 1 => chosen().or(Some(instruction[OPERANDS])),
+                Some(Op::SpecConstantOp) => instruction
+                    .get(OPERANDS)
+                    .and_then(|&operation| values.result(Op::from_u32(operation)?, &instruction[OPERANDS + 1..])),
                 _ => None,
             };
             values.insert(instruction, value);
@@ -32,35 +36,40 @@ impl Values {
         values
     }
 
-    pub fn get(&self, id: u32) -> Option<u32> {
-        self.0.get(&id).copied()
+    pub fn get(&self, id: Word) -> Option<u32> {
+        self.0.get(id as usize).copied().flatten()
     }
 
     /// Notes the result of a function's instruction, where it is known.
-    pub fn learn(&mut self, instruction: &Instruction) {
-        let value = match instruction.class.opcode {
-            Op::Phi => self.common_value(&instruction.operands),
-            operation => self.result(operation, &instruction.operands),
+    pub fn learn(&mut self, instruction: &[Word]) {
+        let Some(operation) = Op::from_u32(code::operation(instruction)) else { return };
+        let operands = instruction.get(OPERANDS..).unwrap_or_default();
+        let value = match operation {
+            Op::Phi => self.common_value(operands),
+            operation => self.result(operation, operands),
         };
-        self.insert(instruction, value);
+        if value.is_some() {
+            self.insert(instruction, value);
+        }
     }
 
-    fn insert(&mut self, instruction: &Instruction, value: Option<u32>) {
-        if let (Some(id), Some(value)) = (instruction.result_id, value) {
-            self.0.insert(id, value);
+    fn insert(&mut self, instruction: &[Word], value: Option<u32>) {
+        let place = code::result(instruction).and_then(|id| self.0.get_mut(id as usize));
+        if let (Some(place), Some(value)) = (place, value) {
+            *place = Some(value);
         }
     }
 
     /// Value that all entries of a phi share. An entry along a back edge is not known yet, so the result is then
     /// `None`.
-    fn common_value(&self, operands: &[Operand]) -> Option<u32> {
-        let mut values = operands.iter().step_by(2).map(|operand| self.get(operand.id_ref_any()?));
+    fn common_value(&self, operands: &[Word]) -> Option<u32> {
+        let mut values = operands.iter().step_by(2).map(|&id| self.get(id));
         let first = values.next()??;
         values.all(|value| value == Some(first)).then_some(first)
     }
 
-    fn result(&self, operation: Op, operands: &[Operand]) -> Option<u32> {
-        let known = |place: usize| self.get(operands.get(place)?.id_ref_any()?);
+    fn result(&self, operation: Op, operands: &[Word]) -> Option<u32> {
+        let known = |place: usize| self.get(*operands.get(place)?);
         let (a, b) = (known(0), known(1));
         // One operand may decide the result.
         match operation {
