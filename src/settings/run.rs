@@ -25,7 +25,7 @@ pub enum Execution {
     /// One kernel follows each path to its end.
     Megakernel,
     /// All paths advance by one edge, then by the next, with separate kernels for rays, lights and surfaces. The paths take
-    /// memory: at most 800 MiB or an eighth of the device's.
+    /// memory: at most 1 GB or an eighth of the device's.
     Wavefront,
 }
 

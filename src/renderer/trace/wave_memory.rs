@@ -10,9 +10,9 @@ use crate::settings::{Execution, Settings};
 
 /// Bytes of a slot, with its word in each queue, the word of the instance that its ray has hit, and the weight of its flight.
 const SLOT_BYTES: u64 = (SLOT_QUADRUPLES as u64 * 4 + QUEUE_COUNT as u64 + 1 + 3) * size_of::<u32>() as u64;
-/// Most bytes of a wave, some four million paths. More paths keep a device busy to the end of a wave; on an NVIDIA H100 half as
+/// Most bytes of a wave: those of four million paths. More paths keep a device busy to the end of a wave; on an NVIDIA H100 half as
 /// many cost 4 %, twice as many gained nothing.
-const WAVE_BYTES: u64 = 800 << 20;
+const WAVE_BYTES: u64 = SLOT_BYTES << 22;
 /// Part of the device's memory that a wave may take, as a divisor.
 const PART_OF_MEMORY: u64 = 8;
 
