@@ -114,5 +114,22 @@ mod tests {
     #[test]
     fn what_is_no_module_is_left_to_the_driver() {
         assert_eq!(resolve_branches(&[1, 2, 3], &[]), None);
+        let whole = words(&Registry::built_in().texel.judge_noise);
+        let constants = Variant::default().entries();
+        // The end of the last function is missing everywhere.
+        for end in 0..whole.len() {
+            assert_eq!(resolve_branches(&whole[..end], &constants), None, "{end} words");
+        }
+        // An instruction of another length or kind is no module, or a module that the driver will refuse.
+        for place in 5..whole.len() {
+            for fault in [0, 1 << 16, 3 << 16 | 245, 1 << 16 | 246, u32::MAX] {
+                let mut changed = whole.clone();
+                changed[place] = fault;
+                resolve_branches(&changed, &constants);
+            }
+        }
+        let mut boundless = whole;
+        boundless[3] = u32::MAX;
+        assert_eq!(resolve_branches(&boundless, &constants), None);
     }
 }

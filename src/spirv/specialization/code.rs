@@ -36,7 +36,7 @@ pub(super) struct Module<'a> {
 }
 
 impl<'a> Module<'a> {
-    /// Splits words into instructions; `None` where they are no module.
+    /// Splits words into instructions; `None` where they are no module with a function.
     pub fn parse(words: &'a [Word]) -> Option<Self> {
         let (header, mut rest) = words.split_first_chunk::<HEADER_WORDS>()?;
         if header[0] != MAGIC_NUMBER || header[BOUND] > MAX_BOUND {
@@ -68,7 +68,7 @@ impl<'a> Module<'a> {
                 },
             }
         }
-        (!is_inside).then_some(module)
+        (!is_inside && !module.functions.is_empty()).then_some(module)
     }
 
     /// Smallest number that is above all ids.
