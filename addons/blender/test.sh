@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Tests the Blender add-on with the package `bpy`, which is Blender as a Python module: units, reports, registration, and ten scenes
-# beside Cycles. Prints one sentence where Python 3.11 or the package is missing.
+# Tests the Blender add-on with the package `bpy`, which is Blender as a Python module: units, reports, registration, the extension in a
+# Blender without settings, and ten scenes beside Cycles. Prints one sentence where Python 3.11 or the package is missing.
 #
 # usage: addons/blender/test.sh [PYTEST ARGUMENT...]
 #
-# LODESTAR names the program (default: target/release/lodestar), BPY_PYTHON a Python that has bpy, numpy and pytest already.
+# LODESTAR names the program (default: target/release/lodestar), BPY_PYTHON a Python that has bpy, numpy and pytest already, LODESTAR_ZIP
+# the extension (default: one that build.sh builds).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -25,4 +26,5 @@ if ! message=$("$python" -c "import bpy" 2>&1); then
   echo "skipped: bpy cannot be loaded: ${message##*$'\n'}"
   exit 0
 fi
+export LODESTAR_ZIP=${LODESTAR_ZIP:-$(addons/blender/build.sh target/blender)}
 exec "$python" -W ignore::DeprecationWarning -m pytest -p no:cacheprovider -q addons/blender/tests "$@"

@@ -3,6 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -30,6 +31,8 @@ pub struct Shared {
     subject: Subject,
     /// Surfaces that pixels show, as far as they were asked for.
     points: Mutex<HashMap<(u32, u32), SurfacePoint>>,
+    /// Whether `Renderer.stop` was called.
+    is_stopped: AtomicBool,
 }
 
 impl Shared {
@@ -139,10 +142,15 @@ impl Renderer {
         let known = subject.scene.as_ref().map_or(&[][..], |scene| &scene.warnings);
         warnings.retain(|warning| !known.contains(warning));
         warn(py, &warnings)?;
-        Ok(Self(Arc::new(Shared { session: Some(Mutex::new(session)), subject, points: Mutex::default() })))
+        Ok(Self(Arc::new(Shared {
+            session: Some(Mutex::new(session)),
+            subject,
+            points: Mutex::default(),
+            is_stopped: AtomicBool::new(false),
+        })))
     }
 
-    /// Calls `act` with the session and a watch that stops at an exception of a signal handler. Returns the exception, too.
+    /// Calls `act` with the session and a watch, which `Renderer.stop` and an exception of a signal handler stop. Returns the exception, too.
     fn watched<T: Send>(
         &self,
         py: Python<'_>,
@@ -152,7 +160,7 @@ impl Renderer {
         let (outcome, exception) = detached(py, || {
             let (exception, looked) = (RefCell::new(None), Cell::new(Instant::now()));
             let stop = || {
-                if exception.borrow().is_some() {
+                if exception.borrow().is_some() || self.0.is_stopped.load(Ordering::Relaxed) {
                     return true;
                 }
                 if looked.get().elapsed() < LOOK {
@@ -309,6 +317,12 @@ impl Renderer {
         }
         let ending = this.ending(py, is_stopped)?;
         this.picture_with(py, Some(ending))
+    }
+
+    /// Ends the render, from any thread: a step that another thread takes returns after its next dispatch, with fewer samples, and later
+    /// ones take none. The picture so far stays.
+    fn stop(&self) {
+        self.0.is_stopped.store(true, Ordering::Relaxed);
     }
 
     /// The picture so far.

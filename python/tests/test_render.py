@@ -154,6 +154,17 @@ def test_ctrl_c_before_the_first_sample_is_an_exception(room_scene):
         renderer.run()
 
 
+def test_another_thread_ends_a_render(room_scene):
+    renderer = lodestar.Renderer(room_scene, **{**SMALL, "width": 64, "height": 48})
+    timer = threading.Timer(0.3, renderer.stop)
+    timer.start()
+    # One step of so many samples would take minutes.
+    done = renderer.step(200_000)
+    timer.join()
+    assert 0 < done < 200_000 and renderer.seconds < 60
+    assert renderer.picture().radiance.mean() > 0 and renderer.run().ending == "stopped" and renderer.samples == done
+
+
 def test_other_signals_raise_what_their_handlers_raise(room_scene):
     def handler(number, frame):
         raise TimeoutError("too long")

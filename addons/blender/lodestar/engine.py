@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Optional
 import bpy
 import numpy as np
 
-from . import exr, export, process, properties
+from . import devices, exr, export, inside, process, properties
 from .camera import Unsupported
 
 
@@ -33,23 +33,41 @@ PASSES = {
 # Depth of pixels that hit nothing, as Cycles has it.
 FAR = 1e10
 PICTURE = "picture.exr"
-# Exit codes of renders that a signal has ended: they have their picture.
-STOPPED = (130, 143)
 
 
-def arguments(settings: Any, scene_file: Path) -> list[str]:
-    """Command line of a render."""
-    line = ["render", str(scene_file), "-o", PICTURE, "--overwrite", "--log", "json"]
-    line += ["--write-every", f"{settings.update_every:g}", "--sampler", settings.sampler, "--seed", str(settings.seed)]
+def render_options(settings: Any, device: str) -> dict[str, str]:
+    """Options of a render by name, for every way to run it."""
+    found = {"sampler": settings.sampler, "seed": str(settings.seed)}
     if settings.use_time:
-        line += ["--time", f"{settings.time:g}"]
+        found["time"] = f"{settings.time:g}"
     if settings.use_noise:
-        line += ["--noise", f"{settings.noise:g}"]
+        found["noise"] = f"{settings.noise:g}"
     if settings.use_samples or not (settings.use_time or settings.use_noise):
-        line += ["--spp", str(settings.samples)]
+        found["spp"] = str(settings.samples)
+    chosen = devices.option(device)
+    if chosen is not None:
+        found["device"] = chosen
+    return found
+
+
+def arguments(settings: Any, scene_file: Path, device: str = "") -> list[str]:
+    """Command line of a render."""
+    line = ["render", str(scene_file), "-o", PICTURE, "--overwrite", "--log", "json", "--write-every", f"{settings.update_every:g}"]
+    for name, value in render_options(settings, device).items():
+        line += [f"--{name}", value]
     if settings.denoise:
         line.append("--denoise")
     return line + shlex.split(settings.arguments)
+
+
+def start(settings: Any, chosen: Optional[Any], scene_file: Path) -> process.Process | inside.Inside:
+    """Starts a render: by the program that the preferences name, else by the package that the extension has, else by the program in PATH."""
+    program, device = (chosen.program.strip(), chosen.device) if chosen is not None else ("", "")
+    package = inside.package() if not program else None
+    if package is None:
+        return process.Process(process.find(program), arguments(settings, scene_file, device), scene_file.parent, PICTURE)
+    keywords = {**render_options(settings, device), **inside.keywords(settings.arguments, package.options())}
+    return inside.Inside(package, scene_file, keywords, inside.Wanted(settings.update_every, settings.denoise))
 
 
 def preferences() -> Optional[Any]:
@@ -59,7 +77,7 @@ def preferences() -> Optional[Any]:
 
 
 class LodestarEngine(bpy.types.RenderEngine):
-    """Path-guided rendering by the program `lodestar`."""
+    """Path-guided rendering by Lodestar."""
 
     bl_idname = "LODESTAR"
     bl_label = "Lodestar"
@@ -87,15 +105,12 @@ class LodestarEngine(bpy.types.RenderEngine):
 
     def _render(self, depsgraph: Any) -> None:
         settings, chosen = depsgraph.scene.lodestar, preferences()
-        program = process.find(chosen.program if chosen is not None else "")
         folder = self._folder(chosen, depsgraph)
         self.update_stats("", "Exporting")
         exported = export.export(depsgraph, folder, properties.options(settings), self.frame_set)
         for warning in exported.report.warnings:
             self.report({"WARNING"}, f"Lodestar: {warning}")
-        picture = folder / PICTURE
-        picture.unlink(missing_ok=True)
-        self._run(process.Process(program, arguments(settings, exported.scene_file), folder), picture, exported, depsgraph)
+        self._run(start(settings, chosen, exported.scene_file), exported, depsgraph)
 
     @staticmethod
     def _folder(chosen: Optional[Any], depsgraph: Any) -> Path:
@@ -105,24 +120,25 @@ class LodestarEngine(bpy.types.RenderEngine):
         name = Path(bpy.data.filepath).stem or "untitled"
         return root / f"{name}-{depsgraph.scene.name}-{depsgraph.view_layer.name}".replace("/", "_")
 
-    def _run(self, running: process.Process, picture: Path, exported: export.Export, depsgraph: Any) -> None:
-        messages, stopped = [], False
+    def _run(self, running: process.Process | inside.Inside, exported: export.Export, depsgraph: Any) -> None:
+        stopped = False
         try:
             for event in running.events():
                 if self.test_break() and not stopped:
                     running.stop()
                     stopped = True
                 if event is not None:
-                    self._follow(event, messages, picture, exported, depsgraph)
+                    self._follow(event, exported, depsgraph)
         finally:
             running.close()
-        if running.exit_code not in (0, *STOPPED):
-            raise ValueError(messages[-1] if messages else f"the program ended with the code {running.exit_code}")
-        if picture.exists():
+        if running.failure is not None:
+            raise ValueError(running.failure)
+        picture = running.picture()
+        if picture is not None:
             self._show(picture, exported, depsgraph)
 
-    def _follow(self, event: process.Event, messages: list[str], picture: Path, exported: export.Export, depsgraph: Any) -> None:
-        """Shows what an event of the log says."""
+    def _follow(self, event: process.Event, exported: export.Export, depsgraph: Any) -> None:
+        """Shows what an event of the render says."""
         kind, message = event.get("event"), event.get("message")
         if kind == "step":
             fraction = event.get("fraction")
@@ -133,14 +149,11 @@ class LodestarEngine(bpy.types.RenderEngine):
             self.update_stats("", str(message))
         elif kind == "warning" and message:
             self.report({"WARNING"}, f"Lodestar: {message}")
-        elif kind == "written" and picture.exists():
-            self._show(picture, exported, depsgraph)
-        if message and kind in ("text", "end"):
-            messages.append(str(message))
+        elif kind == "written" and "picture" in event:
+            self._show(event["picture"], exported, depsgraph)
 
-    def _show(self, path: Path, exported: export.Export, depsgraph: Any) -> None:
-        """Fills the passes from the picture's file."""
-        picture = exr.read(path)
+    def _show(self, picture: exr.Picture, exported: export.Export, depsgraph: Any) -> None:
+        """Fills the passes."""
         scene = depsgraph.scene
         # Blender asks for the border's window only, and puts it into the whole picture itself.
         width, height = exported.film.window[2:]

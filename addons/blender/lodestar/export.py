@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
 
-from . import camera, lights, materials, motion, unsupported, world, xml
+from . import camera, falloff, lights, materials, motion, unsupported, world, xml
 from .hashes import number_of_object
 from .images import Images
 from .instances import Shapes
@@ -67,6 +67,7 @@ class _Exporter:
         self.shapes = Shapes()
         self.emitters: list[xml.Element] = []
         self.visible_lamps: list[str] = []
+        self.soft_lamps: list[falloff.SoftLamp] = []
         self.surfaces_emit = self.has_glass = False
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera
@@ -100,6 +101,8 @@ class _Exporter:
             for emitter in root.iter("emitter"):
                 _brighten(emitter, exposure)
         self._report_light_through_surfaces()
+        for name, radii in falloff.near_surfaces(self.soft_lamps, self.depsgraph.object_instances).items():
+            self.report.warn(f'light "{name}"', falloff.warning(radii))
         path = self.folder / SCENE_FILE
         with path.open("w", encoding="utf-8") as file:
             head, end, rest = xml.text_of(root).rpartition("</scene>")
@@ -140,6 +143,9 @@ class _Exporter:
         emitters = lights.export(owner.data, course, owner.name, self.report)
         unsupported.report_object(owner, self.report)
         self.emitters.extend(emitters)
+        soft = falloff.soft_lamp(owner, course.matrix.translation)
+        if soft is not None and emitters:
+            self.soft_lamps.append(soft)
         if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
             if self._is_in_view(owner.data, course.matrix):
                 self.visible_lamps.append(owner.name)

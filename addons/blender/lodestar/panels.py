@@ -6,6 +6,8 @@ from typing import Any
 
 import bpy
 
+from . import engine, properties
+
 ENGINE = "LODESTAR"
 # Panels of Blender that belong to other engines' settings, although they are offered to every engine.
 EXCLUDED = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_freestyle", "RENDER_PT_simplify"}
@@ -118,7 +120,19 @@ class LODESTAR_PT_object_motion(_Panel, bpy.types.Panel):
         layout.prop(settings, "motion_steps", text="Steps")
 
 
-CLASSES = (LODESTAR_PT_length, LODESTAR_PT_paths, LODESTAR_PT_motion, LODESTAR_PT_object_motion, LODESTAR_PT_passes)
+class LODESTAR_PT_device(_Panel, bpy.types.Panel):
+    """What renders, and what keeps a device from use."""
+
+    bl_label = "Device"
+
+    def draw(self, context: Any) -> None:
+        chosen = engine.preferences()
+        if chosen is not None:
+            self.layout.prop(chosen, "device")
+        properties.draw_devices(self.layout, chosen.program if chosen is not None else "", 44)
+
+
+CLASSES = (LODESTAR_PT_length, LODESTAR_PT_paths, LODESTAR_PT_motion, LODESTAR_PT_object_motion, LODESTAR_PT_passes, LODESTAR_PT_device)
 
 
 def _shared_panels() -> list[Any]:

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from . import exr
+
 Event = dict[str, Any]
 
 
@@ -34,10 +36,17 @@ def _as_event(line: str) -> Event:
     return event if isinstance(event, dict) else {"event": "text", "message": line}
 
 
-class Process:
-    """A render that runs."""
+# Exit codes of renders that a signal has ended: they have their picture.
+STOPPED = (130, 143)
 
-    def __init__(self, program: str, arguments: list[str], folder: Path) -> None:
+
+class Process:
+    """A render by a program of its own, which writes its picture into a file."""
+
+    def __init__(self, program: str, arguments: list[str], folder: Path, picture: str) -> None:
+        self._path = folder / picture
+        self._path.unlink(missing_ok=True)
+        self._messages: list[str] = []
         flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
         self._process = subprocess.Popen(
             [program, *arguments],
@@ -71,6 +80,10 @@ class Process:
             if event is None:
                 self._process.wait()
                 return
+            if event.get("message") and event.get("event") in ("text", "end"):
+                self._messages.append(str(event["message"]))
+            if event.get("event") == "written" and self._path.exists():
+                event["picture"] = exr.read(self._path)
             yield event
 
     def stop(self) -> None:
@@ -85,6 +98,13 @@ class Process:
             self._process.wait()
 
     @property
-    def exit_code(self) -> int | None:
-        """Exit code; None while the program runs."""
-        return self._process.poll()
+    def failure(self) -> str | None:
+        """Why the program has failed; None where it has not."""
+        code = self._process.poll()
+        if code in (0, None, *STOPPED):
+            return None
+        return self._messages[-1] if self._messages else f"the program ended with the code {code}"
+
+    def picture(self) -> exr.Picture | None:
+        """The last picture; None where there is none."""
+        return exr.read(self._path) if self._path.exists() else None

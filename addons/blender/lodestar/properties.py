@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from . import devices
 from .export import Options
 
 
@@ -40,11 +42,20 @@ class LodestarSettings(bpy.types.PropertyGroup):
     denoise: BoolProperty(name="Denoise", description="Add a pass with the denoised picture; needs Open Image Denoise", default=False)  # type: ignore[valid-type]
     combined_denoised: BoolProperty(name="Denoised in Combined", description="Show the denoised picture as Combined", default=False)  # type: ignore[valid-type]
     update_every: FloatProperty(name="Update Every", description="Seconds between two pictures of the growing render", default=2.0, min=0.2, max=3600.0)  # type: ignore[valid-type]
-    arguments: StringProperty(name="More Options", description="More options of `lodestar render`, as on the command line")  # type: ignore[valid-type]
+    arguments: StringProperty(name="More Options", description="More options of `lodestar render`, as on the command line, such as --grid auto")  # type: ignore[valid-type]
     pass_albedo: BoolProperty(name="Albedo", description="Mean albedo at the first hit", default=False)  # type: ignore[valid-type]
     pass_normal: BoolProperty(name="Normal", description="Mean normal at the first hit", default=False)  # type: ignore[valid-type]
     pass_depth: BoolProperty(name="Depth", description="Mean distance to the first hit", default=False)  # type: ignore[valid-type]
     pass_variance: BoolProperty(name="Variance", description="Variance of each pixel's mean", default=False)  # type: ignore[valid-type]
+
+
+def _renews(preferences: Any, context: Any) -> None:
+    """Another renderer may find other devices."""
+    devices.forget()
+
+
+def _names(preferences: Any, context: Any, typed: str) -> list[str]:
+    return devices.found(preferences.program).names
 
 
 class LodestarPreferences(bpy.types.AddonPreferences):
@@ -52,12 +63,40 @@ class LodestarPreferences(bpy.types.AddonPreferences):
 
     bl_idname = __package__
 
-    program: StringProperty(name="Program", description="Path of the program lodestar; empty: the one in PATH", subtype="FILE_PATH")  # type: ignore[valid-type]
+    device: StringProperty(name="Device", description="Device that renders; empty: the fastest kind that there is", search=_names)  # type: ignore[valid-type]
+    program: StringProperty(name="Program", description="Program lodestar that renders in place of the one in this extension", subtype="FILE_PATH", update=_renews)  # type: ignore[valid-type]
     folder: StringProperty(name="Folder", description="Folder of exported scenes; empty: a folder in Blender's temporary one", subtype="DIR_PATH")  # type: ignore[valid-type]
 
     def draw(self, context: Any) -> None:
+        self.layout.prop(self, "device")
+        draw_devices(self.layout, self.program)
         self.layout.prop(self, "program")
         self.layout.prop(self, "folder")
+
+
+class LODESTAR_OT_look_for_devices(bpy.types.Operator):
+    """Look for devices again, such as after a driver was installed"""
+
+    bl_idname = "lodestar.look_for_devices"
+    bl_label = "Look Again"
+
+    def execute(self, context: Any) -> set[str]:
+        devices.forget()
+        return {"FINISHED"}
+
+
+def draw_devices(layout: Any, program: str, width: int = 60) -> None:
+    """Shows the device that renders by default, and what `lodestar devices` advises."""
+    found = devices.found(program)
+    if found.default:
+        layout.label(text=f"Default: {found.default}", icon="CHECKMARK")
+    if not found.advice:
+        return
+    box = layout.box()
+    for sentence in found.advice:
+        for number, line in enumerate(textwrap.wrap(sentence, width)):
+            box.label(text=line, icon="NONE" if number else "ERROR")
+    box.operator("lodestar.look_for_devices")
 
 
 def options(settings: LodestarSettings) -> Options:
@@ -65,7 +104,7 @@ def options(settings: LodestarSettings) -> Options:
     return Options(settings.max_depth if settings.use_max_depth else -1, settings.filter)
 
 
-CLASSES = (LodestarSettings, LodestarPreferences)
+CLASSES = (LodestarSettings, LodestarPreferences, LODESTAR_OT_look_for_devices)
 
 
 def register() -> None:

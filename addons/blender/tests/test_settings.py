@@ -310,6 +310,36 @@ def test_what_is_not_rendered_is_named(tmp_path: Path, change: Callable[[Any], N
     assert len(warnings) == 1 and warnings[0].startswith(text), warnings
 
 
+@pytest.mark.parametrize(
+    "height,settings,text",
+    [
+        (1.0, dict(), "soft falloff is not supported; the nearest surface, 2.0 radii away, gets 25 % more light than in Cycles"),
+        (0.2, dict(), "soft falloff is not supported; surfaces within its radius get other light than in Cycles"),
+        (2.1, dict(), None),
+        (1.0, dict(use_soft_falloff=False), None),
+    ],
+)
+def test_soft_falloff_is_named_where_it_shows(tmp_path: Path, height: float, settings: Any, text: str | None) -> None:
+    """The distance of the nearest surface decides, and no corner of the ground is near."""
+    scene = scenes.empty()
+    scenes.camera(scene)
+    scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)), location=(1, 1, 0), scale=(2, 2, 2))
+    lamp(scene, "POINT", 10, (0, 0, height), shadow_soft_size=0.5, **settings)
+    warnings = exported(tmp_path).report.warnings
+    assert warnings == ([f'light "lamp": {text}'] if text is not None else [])
+
+
+def test_soft_falloff_has_the_figure_of_its_warning() -> None:
+    """Below a lamp, at twice its radius, Cycles' lamp has 1 / 1.25 of a sphere's light."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 25
+    scenes.camera(scene, (0, 0, 2.5), (0, 0, 0), lens=400)
+    scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    lamp(scene, "POINT", 10, (0, 0, 1), shadow_soft_size=0.5)
+    ours, theirs = (support.colors(support.render(scene, engine, 256)) for engine in ("LODESTAR", "CYCLES"))
+    assert abs(support.mean_ratio(ours, theirs) / 1.25 - 1.0) < 0.01
+
+
 def matrices(found: export.Export) -> list[list[float]]:
     root = export.xml.ElementTree.parse(found.scene_file).getroot()
     return [[float(value) for value in matrix.get("value").split()] for matrix in root.iter("matrix")]

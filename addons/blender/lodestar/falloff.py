@@ -1,0 +1,66 @@
+"""Falloff: surfaces so near to a lamp with a radius that its soft falloff would show.
+
+Cycles takes such a lamp for a disk that faces each lit point, in place of a sphere. At a distance d, a disk of the radius r gives
+1 / (1 + (r / d)^2) of the sphere's light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple, Optional
+
+# Distance in radii beyond which the two differ by less than 1/17.
+REACH = 4.0
+
+
+class SoftLamp(NamedTuple):
+    """A lamp with soft falloff."""
+
+    name: str
+    center: Any
+    radius: float
+
+
+def soft_lamp(owner: Any, center: Any) -> Optional[SoftLamp]:
+    """The lamp, if Cycles takes it for a disk."""
+    light = owner.data
+    is_soft = light.type == "POINT" and light.shadow_soft_size > 0.0 and getattr(light, "use_soft_falloff", False)
+    return SoftLamp(owner.name, center.copy(), light.shadow_soft_size) if is_soft else None
+
+
+def near_surfaces(lamps: list[SoftLamp], instances: Iterable[Any]) -> dict[str, float]:
+    """Names of the lamps that have a surface within reach, and the distances in radii."""
+    nearest: dict[str, float] = {}
+    for instance in instances if lamps else ():
+        owner = instance.object
+        if owner.type != "MESH" or not instance.show_self or not owner.data.polygons:
+            continue
+        matrix = instance.matrix_world
+        corners = owner.bound_box
+        low, high = ([choose(corner[axis] for corner in corners) for axis in range(3)] for choose in (min, max))
+        scale = max(matrix.to_scale(), key=abs)
+        middle = matrix @ _vector([0.5 * (a + b) for a, b in zip(low, high)])
+        size = 0.5 * abs(scale) * _vector([b - a for a, b in zip(low, high)]).length
+        for lamp in lamps:
+            reach = REACH * lamp.radius
+            if (middle - lamp.center).length - size > reach:
+                continue
+            found, place, _, _ = owner.closest_point_on_mesh(matrix.inverted_safe() @ lamp.center)
+            distance = (matrix @ place - lamp.center).length if found else reach
+            if distance < reach:
+                nearest[lamp.name] = min(nearest.get(lamp.name, REACH), distance / lamp.radius)
+    return nearest
+
+
+def warning(radii: float) -> str:
+    """What is said of a lamp whose nearest surface is at a distance in radii."""
+    if radii <= 1.0:
+        return "soft falloff is not supported; surfaces within its radius get other light than in Cycles"
+    more = 100.0 / radii**2
+    return f"soft falloff is not supported; the nearest surface, {radii:.1f} radii away, gets {more:.0f} % more light than in Cycles"
+
+
+def _vector(values: Any) -> Any:
+    from mathutils import Vector
+
+    return Vector(values)

@@ -1,0 +1,71 @@
+"""The extension's zip in a Blender without settings: it is installed, and renders with no other step."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+import support
+from lodestar import devices, inside
+
+ZIP = os.environ.get("LODESTAR_ZIP", "")
+KNOWN = [{"name": "grid", "type": 'int | Literal["auto"]'}, {"name": "validate", "type": "bool"}, {"name": "max_depth", "type": "int"}]
+needs_zip = pytest.mark.skipif(not ZIP, reason="LODESTAR_ZIP names no extension; addons/blender/test.sh builds one")
+
+
+def test_more_options_are_keywords() -> None:
+    assert inside.keywords("--grid auto --validate --max-depth=8", KNOWN) == {"grid": "auto", "validate": True, "max_depth": "8"}
+    assert inside.keywords("", KNOWN) == {}
+    for line, fault in (("--view", "--view cannot be"), ("grid", "grid cannot be"), ("--grid", "--grid has no value")):
+        with pytest.raises(ValueError, match=fault):
+            inside.keywords(line, KNOWN)
+
+
+def test_devices_of_one_name_are_told_apart() -> None:
+    assert [devices.option(name) for name in ("", " ", "llvmpipe (LLVM 15)", "#1 GeForce")] == [None, None, "llvmpipe (LLVM 15)", "1"]
+
+
+def in_clean_blender(folder: Path, **variables: str) -> dict[str, Any]:
+    """What `in_extension.py` finds in a Blender without settings, and without the program in PATH."""
+    script = Path(__file__).parent / "in_extension.py"
+    environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder / "resources"), "PATH": os.defpath, **variables}
+    environment.pop("PYTHONPATH", None)
+    command = [sys.executable, str(script), str(Path(ZIP).resolve()), str(Path(support.PROGRAM).resolve()), str(folder)]
+    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300, check=False)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return json.loads((folder / "found.json").read_text())
+
+
+@needs_zip
+def test_blender_finds_the_zip_valid() -> None:
+    """Blender's strict check, which its public repository makes, too."""
+    tool = Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core/bl_pkg/cli/blender_ext.py"
+    ended = subprocess.run([sys.executable, str(tool), "validate", ZIP], capture_output=True, text=True, timeout=60, check=False)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+
+
+@needs_zip
+def test_the_zip_renders_with_no_other_step(tmp_path: Path) -> None:
+    assert Path(ZIP).stat().st_size < 40e6
+    found = in_clean_blender(tmp_path)
+    assert found["is_inside"] and found["default"] and found["drawn"][0] == f"Default: {found['default']}"
+    assert found["mean"] > 0.0
+    assert "--view cannot be among More Options" in found["refused"]
+    assert found["is_same_with_options"] and found["is_same_by_program"] and found["listed_by_program"]
+    assert found["stopped"]["seconds"] < 30.0 and found["stopped"]["brightest"] > 0.0
+
+
+@needs_zip
+def test_a_missing_driver_is_explained(tmp_path: Path) -> None:
+    found = in_clean_blender(tmp_path, VK_DRIVER_FILES="/none", VK_ICD_FILENAMES="/none")
+    assert found["is_inside"] and not found["default"]
+    assert "no Vulkan driver found" in " ".join(found["advice"])
+    assert " ".join(found["drawn"]).startswith("no Vulkan driver found: install your GPU's, or")
+    assert "operator lodestar.look_for_devices" in found["drawn"]
+    assert "no Vulkan driver found" in found["fault"]
