@@ -66,7 +66,8 @@ class _Exporter:
         self.parts: dict[Any, list[Part]] = {}
         self.shapes = Shapes()
         self.emitters: list[xml.Element] = []
-        self.visible_lamps: list[str] = []
+        # Lamps in view that the camera should not see, with their courses and emitters.
+        self.visible_lamps: list[tuple[Any, xml.Course, list[xml.Element]]] = []
         self.soft_lamps: list[falloff.SoftLamp] = []
         self.surfaces_emit = self.has_glass = False
         # A marker may bind another camera to another time of the shutter.
@@ -148,7 +149,7 @@ class _Exporter:
             self.soft_lamps.append(soft)
         if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
             if self._is_in_view(owner.data, course.matrix):
-                self.visible_lamps.append(owner.name)
+                self.visible_lamps.append((owner, course, emitters))
         self.surfaces_emit |= owner.visible_camera and any(emitter.tag == "shape" for emitter in emitters)
 
     def _is_in_view(self, light: Any, matrix: Any) -> bool:
@@ -225,9 +226,19 @@ class _Exporter:
             return True
         if environment is None and not self.surfaces_emit:
             return True
-        for name in self.visible_lamps:
-            self.report.warn(f'light "{name}"', "the camera sees it, because it sees other emitters, too")
+        for owner, course, emitters in self.visible_lamps:
+            self._hide_lamp(owner, course, emitters)
         return False
+
+    def _hide_lamp(self, owner: Any, course: xml.Course, emitters: list[xml.Element]) -> None:
+        """Keeps the camera from seeing a lamp, where it sees other emitters."""
+        points = lights.points(owner.data, course, emitters)
+        if points is None:
+            self.report.warn(f'light "{owner.name}"', "the camera sees it, because it sees other emitters, too")
+            return
+        self.emitters = [each for each in self.emitters if each not in emitters] + points
+        message = f"the camera would see it, because it sees other emitters, too; {len(points)} points, which mirrors do not show, stand for it"
+        self.report.warn(f'light "{owner.name}"', message)
 
     def _report_light_through_surfaces(self) -> None:
         points = [e for e in self.emitters if e.get("type") in ("point", "spot", "directional")]

@@ -22,6 +22,8 @@ Matrix3 = tuple[tuple[float, ...], ...]
 IDENTITY: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 READ_FORMATS = {"PNG", "JPEG", "BMP", "TARGA", "HDR"}
 LINEAR_SPACES = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
+# Color that Cycles shows where an image cannot be loaded.
+MISSING = (1.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Optional
 
 from .evaluator import Evaluator, Groups, Handler
+from .images import MISSING
 from .programs import (
     Expression, absolute, dot, less, maximum, normalized, permuted, positive, power, select, square_root,
 )
@@ -189,6 +190,8 @@ def _layer_weight(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optio
 
 
 def _image(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    if e.reader.is_missing(node):
+        return e.graph.constant(1.0 if output.name == "Alpha" else MISSING)
     texture = e.reader.plain_image(node, "alpha" if output.name == "Alpha" else "color")
     if texture is None:
         return None

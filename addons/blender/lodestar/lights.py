@@ -8,8 +8,8 @@ from typing import Any, Optional
 from . import units, xml
 from .report import Report
 
-# Directional lights that stand for a sun with an angle.
-SUN_PARTS = 64
+# Directional lights that stand for a sun with an angle, and points that stand for a lamp with a radius.
+SUN_PARTS = BALL_PARTS = 64
 
 
 def color_of(light: Any) -> tuple[float, float, float]:
@@ -35,19 +35,28 @@ def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xm
     if light.type == "AREA":
         return _area(light, course, power, tinted, place, report)
     if light.type == "POINT" and light.shadow_soft_size > 0.0:
-        return [_ball(light, course, power, tinted)]
+        ball = [_ball(light, course, power, tinted)]
+        # Surfaces that scatter light do not find a lamp without Multiple Importance.
+        return ball if _is_found(light) else points(light, course, ball) or ball
     if course.keys:
         report.warn(place, "the motion of suns, spots and lamps of radius 0 is not supported; it stands still")
     if light.type == "SUN":
         return _sun(light, course.matrix, power, tinted)
     if light.type == "SPOT":
-        return [_spot(light, course.matrix, power, tinted, place, report)]
+        return _spots(light, course.matrix, power, tinted, place, report)
     return [_point(course.matrix, power, tinted)]
+
+
+def _is_found(light: Any) -> bool:
+    """Whether rays of surfaces find a lamp, besides rays to it."""
+    return getattr(getattr(light, "cycles", None), "use_multiple_importance_sampling", True)
 
 
 def _report_unsupported(light: Any, place: str, report: Report) -> None:
     if not getattr(light, "normalize", True) and light.type in ("SUN", "SPOT"):
         report.warn(place, "a power that is not normalized by the area is not supported; it is taken as normalized")
+    if light.type == "AREA" and not _is_found(light):
+        report.warn(place, "an area light without Multiple Importance is not supported; mirrors show it")
     if getattr(light, "use_shadow", True) is False:
         report.warn(place, "light without shadows is not supported")
 
@@ -110,6 +119,23 @@ def _ball(light: Any, course: xml.Course, power: float, tinted: Any) -> xml.Elem
     return _emitting(shape, tinted(units.sphere_radiance(power, radius)))
 
 
+def points(light: Any, course: xml.Course, emitters: list[xml.Element]) -> Optional[list[xml.Element]]:
+    """Points without size, which no camera sees, in place of the emitters of a lamp with a radius; None where they cannot stand for it."""
+    if light.type != "POINT" or course.keys:
+        return None
+    radiance = next(each for each in emitters[0].iter("rgb") if each.get("name") == "radiance").get("value", "")
+    # A sphere of the radiance L has the intensity pi r^2 L.
+    share = math.pi * light.shadow_soft_size**2 / BALL_PARTS
+    intensity = tuple(float(channel) * share for channel in radiance.split())
+    parts = []
+    for place in units.ball_points(BALL_PARTS):
+        emitter = xml.plugin("emitter", "point")
+        _add_point(emitter, "position", course.matrix.translation + light.shadow_soft_size * _vector(place))
+        xml.add(emitter, "intensity", intensity)
+        parts.append(xml.add(emitter, "sampling_weight", 1.0 / BALL_PARTS))
+    return parts
+
+
 def _sun(light: Any, matrix: Any, power: float, tinted: Any) -> list[xml.Element]:
     """Directional lights that cover the sun's disk. One light where the disk is as good as a point."""
     count = SUN_PARTS if light.angle > math.radians(0.05) else 1
@@ -124,20 +150,27 @@ def _sun(light: Any, matrix: Any, power: float, tinted: Any) -> list[xml.Element
     return parts
 
 
-def _spot(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> xml.Element:
-    if light.shadow_soft_size > 0.0:
-        report.warn(place, "the radius of a spot is not supported; its shadows are sharp")
+def _spots(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:
+    """Spot, or spots side by side that cover its ball. They all have its cone, as the points of Cycles' lamp have."""
     sides = [matrix.col[at].xyz.length for at in range(3)]
     if max(sides) > 1.001 * min(sides):
         report.warn(place, "a spot that is scaled unevenly is not supported; its cone is round")
     half_angle = 0.5 * light.spot_size
     beam = units.beam_width(half_angle, light.spot_blend)
     scale = units.spot_flux(half_angle, light.spot_blend) / units.linear_spot_flux(half_angle, beam)
-    emitter = xml.plugin("emitter", "spot")
-    xml.add(emitter, "cutoff_angle", math.degrees(half_angle))
-    xml.add(emitter, "beam_width", math.degrees(beam))
-    xml.add(emitter, "intensity", tinted(units.point_intensity(power) * scale))
-    return xml.add_matrix(emitter, _facing(matrix, normalized=True))
+    centers = units.ball_points(BALL_PARTS) if light.shadow_soft_size > 0.0 else [(0.0, 0.0, 0.0)]
+    parts = []
+    for center in centers:
+        emitter = xml.plugin("emitter", "spot")
+        xml.add(emitter, "cutoff_angle", math.degrees(half_angle))
+        xml.add(emitter, "beam_width", math.degrees(beam))
+        xml.add(emitter, "intensity", tinted(units.point_intensity(power) * scale / len(centers)))
+        if len(centers) > 1:
+            xml.add(emitter, "sampling_weight", 1.0 / len(centers))
+        placed = _facing(matrix, normalized=True)
+        placed.translation += light.shadow_soft_size * _vector(center)
+        parts.append(xml.add_matrix(emitter, placed))
+    return parts
 
 
 def _area(light: Any, course: xml.Course, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:

@@ -194,11 +194,14 @@ class _Translator:
         return Closure(self.relief(bsdf, node, groups))
 
     def _facets(self, plugin: str, smooth: str, node: Any, groups: Groups) -> xml.Element:
-        """Plugin with GGX facets, or the smooth plugin where the roughness is 0."""
+        """Plugin with facets, or the smooth plugin where the roughness is 0."""
         roughness = self.reader.scalar(node.inputs["Roughness"], groups)
         if not isinstance(roughness, Texture) and roughness < principled.SMOOTH:
             return xml.plugin("bsdf", smooth)
-        element = xml.add(xml.plugin("bsdf", plugin), "distribution", "ggx")
+        if node.distribution == "ASHIKHMIN_SHIRLEY":
+            self.reader.warn("facets of Ashikhmin and Shirley are not supported; those of GGX are used")
+        distribution = "beckmann" if node.distribution == "BECKMANN" else "ggx"
+        element = xml.add(xml.plugin("bsdf", plugin), "distribution", distribution)
         anisotropy = node.inputs.get("Anisotropy")
         amount = self.reader.constant(anisotropy, groups) if anisotropy is not None else 0.0
         if amount != 0.0 and not isinstance(roughness, Texture):
@@ -223,6 +226,8 @@ class _Translator:
             xml.add(element, "eta", self.reader.constant_color(node.inputs["IOR"], groups))
             xml.add(element, "k", self.reader.constant_color(node.inputs["Extinction"], groups))
         else:
+            if node.distribution == "BECKMANN":
+                self.reader.warn("Beckmann's facets with an Edge Tint are not supported; those of GGX are used")
             element = xml.add(xml.plugin("bsdf", "principled"), "metallic", 1.0)
             parameter(self.images, element, "base_color", self.reader.color(node.inputs["Base Color"], groups))
             parameter(self.images, element, "roughness", self.reader.scalar(node.inputs["Roughness"], groups))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Optional, Union
 
 from .evaluator import Evaluator, convert
-from .images import Images, Texture
+from .images import MISSING, Images, Texture
 from .limits import excess
 from .programs import Expression
 from .report import Report
@@ -184,6 +184,8 @@ class Reader:
         node, groups = source.node, source.groups
         if node.type in ("RGB", "VALUE"):
             return _default(source.socket)
+        if node.type == "TEX_IMAGE" and self.is_missing(node):
+            return 1.0 if source.socket.name == "Alpha" else MISSING
         if node.type == "TEX_IMAGE":
             return self.image_texture(node, "alpha" if source.socket.name == "Alpha" else "color", groups)
         if node.type in ("ATTRIBUTE", "VERTEX_COLOR"):
@@ -238,13 +240,20 @@ class Reader:
         texture = self.plain_image(node, channel)
         return None if texture is None else replace(texture, to_uv=to_uv)
 
+    def is_missing(self, node: Any) -> bool:
+        """Whether the node of an image has none that can be loaded. Cycles then shows magenta."""
+        image = node.image
+        if image is None:
+            return True
+        if image.source not in ("FILE", "GENERATED") or image.has_data or len(image.pixels) > 0:
+            return False
+        self.warn(f'the image "{image.name}" cannot be loaded; it is magenta, as in Cycles')
+        return True
+
     def plain_image(self, node: Any, channel: str) -> Optional[Texture]:
         """Texture of an Image Texture node, wherever it lies; None where it cannot be translated."""
         image = node.image
         if image is None or image.source in ("SEQUENCE", "MOVIE", "TILED", "VIEWER"):
-            return None
-        if not image.has_data and not image.pixels:
-            self.warn(f'the image "{image.name}" cannot be loaded')
             return None
         if node.projection != "FLAT":
             return None

@@ -74,6 +74,29 @@ def sun_directions(angle: float, count: int) -> list[tuple[float, float, float]]
     return [(math.sin(math.acos(c)) * math.cos(phi), math.sin(math.acos(c)) * math.sin(phi), -c) for c, phi in cosines]
 
 
+def ball_points(count: int) -> list[tuple[float, float, float]]:
+    """Points of the unit ball that from every side look like a disk that is evenly bright.
+
+    Their density at a distance r from the center is that whose projection is even: 1 / sqrt(1 - r^2). With r = sin(a), the share within r
+    is (a - sin(a) cos(a)) 2 / pi.
+    """
+    golden = math.pi * (3.0 - math.sqrt(5.0))
+    points = []
+    for at in range(count):
+        share = 0.5 / count + sum((at >> bit & 1) * 0.5 ** (bit + 1) for bit in range(at.bit_length()))
+        low, high = 0.0, 0.5 * math.pi
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            if (middle - math.sin(middle) * math.cos(middle)) * 2.0 / math.pi < share:
+                low = middle
+            else:
+                high = middle
+        z = 1.0 - (2.0 * at + 1.0) / count
+        radius, flat = math.sin(low), math.sqrt(1.0 - z * z)
+        points.append((radius * flat * math.cos(at * golden), radius * flat * math.sin(at * golden), radius * z))
+    return points
+
+
 def sun_irradiance(strength: float, angle: float) -> float:
     """Sum of the irradiances of the parts of a sun, each on a plane that faces its part. `strength` is the irradiance on a plane
     that faces the middle: the radiance is strength / (pi sin^2), and the solid angle 2 pi (1 - cos)."""

@@ -35,10 +35,6 @@ def _report_light(owner: Any, report: Report) -> None:
     settings, place = getattr(owner.data, "cycles", None), f'light "{owner.name}"'
     if getattr(settings, "max_bounces", 1024) < 16:
         report.warn(place, "a limit of its bounces is not supported")
-    # Without it, no light is found by the surfaces that scatter it, and mirrors do not show the lamp.
-    has_size = owner.data.type == "AREA" or getattr(owner.data, "shadow_soft_size", 0.0) > 0.0 or owner.data.type == "SUN"
-    if has_size and not getattr(settings, "use_multiple_importance_sampling", True):
-        report.warn(place, "a lamp without Multiple Importance is not supported; mirrors show it")
 
 
 def report_scene(depsgraph: Any, report: Report) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Optional
 
-from . import sky, xml
-from .images import Images, Texture
+from . import sky, sky_fits, xml
+from .images import MISSING, Images, Texture
 from .nodes import Reader
 from .report import Report
 
@@ -62,10 +62,9 @@ def _constant(color: tuple[float, ...]) -> Optional[xml.Element]:
 def _environment(node: Any, groups: tuple[Any, ...], strength: float, reader: Reader) -> Optional[xml.Element]:
     """`envmap` of an Environment Texture; None where it cannot be translated."""
     image = node.image
-    if image is None or image.source not in ("FILE", "GENERATED") or node.projection != "EQUIRECTANGULAR":
-        return None
-    if not image.has_data and not image.pixels:
-        reader.warn(f'the image "{image.name}" cannot be loaded')
+    if reader.is_missing(node):
+        return _constant(tuple(channel * strength for channel in MISSING))
+    if image.source not in ("FILE", "GENERATED") or node.projection != "EQUIRECTANGULAR":
         return None
     rotation = _rotation(node.inputs["Vector"], groups, reader)
     if rotation is None:
@@ -75,9 +74,13 @@ def _environment(node: Any, groups: tuple[Any, ...], strength: float, reader: Re
 
 
 def _sky(node: Any, groups: tuple[Any, ...], strength: float, reader: Reader) -> Optional[xml.Element]:
-    """`envmap` of a Sky Texture of a model that has no Vector; None where it is of another."""
+    """`envmap` of a Sky Texture; None where it cannot be translated."""
     from mathutils import Matrix
 
+    fit = sky_fits.of_node(node)
+    if fit is not None:
+        rotation = _rotation(node.inputs["Vector"], groups, reader)
+        return _picture(reader.images.written(sky_fits.picture(fit)), strength, rotation) if rotation is not None else None
     found = sky.of_node(node)
     if found is None:
         return None

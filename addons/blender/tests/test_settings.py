@@ -202,6 +202,63 @@ def missing_attribute() -> Any:
     return attribute_of("dirt", "ShaderNodeBsdfPrincipled", "Base_Color")
 
 
+def beckmann() -> Any:
+    """Metal and glass with Beckmann's facets."""
+
+    def build(kind: str) -> Any:
+        def made(tree: Any) -> Any:
+            output = scenes.shader(tree, kind, Color=(0.8, 0.7, 0.5), Roughness=0.6).outputs[0]
+            output.node.distribution = "BECKMANN"
+            return output
+
+        return made
+
+    scene = base((0.05, 0.05, 0.05))
+    scene.objects["ball"].data.materials[0] = scenes.material("metal", build("ShaderNodeBsdfGlossy"))
+    scenes.ball(scene, "glass ball", 0.5, scenes.material("glass", build("ShaderNodeBsdfGlass")), location=(-1.2, -0.6, 0.5))
+    lamp(scene, "AREA", 150, (2, -2, 3), (0.75, 0, 0.79), size=2.0)
+    return scene
+
+
+def missing_images() -> Any:
+    """Images that cannot be loaded, and a node without one: color, alpha, within a program, and the world."""
+
+    def build(tree: Any) -> Any:
+        empty = tree.nodes.new("ShaderNodeTexImage")
+        gray = tree.nodes.new("ShaderNodeMixRGB")
+        gray.inputs["Fac"].default_value, gray.inputs["Color2"].default_value = 0.7, (0.5, 0.5, 0.5, 1.0)
+        tree.links.new(empty.outputs["Color"], gray.inputs["Color1"])
+        sockets = dict(Base_Color=gray.outputs["Color"], Alpha=empty.outputs["Alpha"], Specular_IOR_Level=0.0)
+        return scenes.shader(tree, "ShaderNodeBsdfPrincipled", **sockets).outputs[0]
+
+    scene = from_above(lambda: scenes.material("lost", build))
+    lost_world(scene)
+    return scene
+
+
+def lamp_in_view() -> Any:
+    """A lamp that the camera must not see, under a sky that it sees."""
+    scene = base((0.1, 0.1, 0.1))
+    lamp(scene, "POINT", 100, (0.6, 1.0, 2.2), shadow_soft_size=0.4)
+    return scene
+
+
+def lamp_without_mis() -> Any:
+    """A smooth ball that does not show a lamp without Multiple Importance."""
+    scene = base((0.1, 0.1, 0.1))
+    scene.objects["ball"].data.materials[0] = scenes.simple("mirror", "ShaderNodeBsdfGlossy", Color=(0.8, 0.8, 0.8), Roughness=0.0)
+    lamp(scene, "POINT", 60, (0.4, -1.6, 2.0), shadow_soft_size=0.3).data.cycles.use_multiple_importance_sampling = False
+    lamp(scene, "SUN", 0.5, rotation=(0.3, 0.2, 0.0), angle=0.3).data.cycles.use_multiple_importance_sampling = False
+    return scene
+
+
+def spot_with_radius() -> Any:
+    """A spot whose shadow is soft, and whose cone is wider than the picture."""
+    scene = base(None)
+    lamp(scene, "SPOT", 300, (1.2, -0.6, 2.4), (0.25, 0.45, 0.0), shadow_soft_size=0.4, spot_size=2.0, spot_blend=0.0)
+    return scene
+
+
 # Scene, largest deviation of a block mean, and of the whole mean; `no_material` has Disney's diffuse base (docs/blender.md).
 ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (portal, 0.03, 0.01),
@@ -219,6 +276,11 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (overridden, 0.03, 0.01),
     (no_surfaces_in_layer, 0.03, 0.01),
     (lamp_with_nodes, 0.03, 0.01),
+    (beckmann, 0.03, 0.01),
+    (missing_images, 0.03, 0.01),
+    (lamp_in_view, 0.03, 0.01),
+    (lamp_without_mis, 0.03, 0.01),
+    (spot_with_radius, 0.03, 0.01),
 ]
 if "normalize" in bpy.types.Light.bl_rna.properties:
     ROWS.append((unnormalized_lamps, 0.03, 0.01))
@@ -249,7 +311,7 @@ def linked_light(scene: Any) -> None:
 
 
 def without_mis(scene: Any) -> None:
-    lamp(scene, "SUN", 1.0).data.cycles.use_multiple_importance_sampling = False
+    lamp(scene, "AREA", 1.0, (0, -9, 3)).data.cycles.use_multiple_importance_sampling = False
 
 
 def few_bounces(scene: Any) -> None:
@@ -285,12 +347,27 @@ def indirect(scene: Any) -> None:
     scene.view_layers[0].layer_collection.children["sources"].indirect_only = True
 
 
+def lost_world(scene: Any) -> None:
+    gone = bpy.data.images.new("gone", 4, 4)
+    gone.source, gone.filepath = "FILE", "/nowhere/gone.hdr"
+    tree = scene.world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = gone
+    tree.links.new(texture.outputs["Color"], next(n for n in tree.nodes if n.type == "BACKGROUND").inputs["Color"])
+
+
+def ashikhmin(scene: Any) -> None:
+    made = scenes.simple("grained", "ShaderNodeBsdfGlossy", Roughness=0.5)
+    next(n for n in made.node_tree.nodes if n.type == "BSDF_GLOSSY").distribution = "ASHIKHMIN_SHIRLEY"
+    scene.objects["ball"].data.materials[0] = made
+
+
 @pytest.mark.parametrize(
     "change,text",
     [
         (sharp_orthographic, 'camera "camera": depth of field of an orthographic camera'),
         (linked_light, 'object "lamp": light linking'),
-        (without_mis, 'light "lamp": a lamp without Multiple Importance'),
+        (without_mis, 'light "lamp": an area light without Multiple Importance'),
         (few_bounces, 'light "lamp": a limit of its bounces'),
         (textured_lamp, 'light "lamp": nodes of lights other than Emission'),
         (uneven_spot, 'light "lamp": a spot that is scaled unevenly'),
@@ -298,6 +375,8 @@ def indirect(scene: Any) -> None:
         (transparent_glass, "scene: transparent glass"),
         (held_out, 'collection "masks": a holdout'),
         (indirect, 'collection "sources": Indirect Only'),
+        (lost_world, 'world "world": the image "gone" cannot be loaded; it is magenta, as in Cycles'),
+        (ashikhmin, 'material "grained": facets of Ashikhmin and Shirley'),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )

@@ -16,6 +16,18 @@ def test_lamps_shed_their_power() -> None:
     assert 2.5 * math.pi * units.area_radiance(7.0, 2.5) == pytest.approx(7.0)
 
 
+def test_points_of_a_ball_look_like_an_even_disk() -> None:
+    """The mean square of each coordinate is that of an even disk, 1/4, and so is the share within half of the disk's area."""
+    points = np.array(units.ball_points(4096))
+    assert (points**2).mean(axis=0) == pytest.approx([0.25] * 3, abs=0.003)
+    assert np.abs(points.mean(axis=0)).max() < 0.003
+    for axis in range(3):
+        seen = np.delete(points, axis, axis=1)
+        assert ((seen**2).sum(axis=1) < 0.5).mean() == pytest.approx(0.5, abs=0.01)
+    few = np.array(units.ball_points(64))
+    assert (few**2).mean(axis=0) == pytest.approx([0.25] * 3, abs=0.03) and np.abs(few.mean(axis=0)).max() < 0.03
+
+
 def integral(falloff: object, half_angle: float) -> float:
     angles = (np.arange(20000) + 0.5) / 20000 * half_angle
     values = np.array([falloff(angle) for angle in angles])  # type: ignore[operator]
