@@ -24,7 +24,7 @@ class SoftLamp(NamedTuple):
 def soft_lamp(owner: Any, center: Any) -> Optional[SoftLamp]:
     """The lamp, if Cycles takes it for a disk."""
     light = owner.data
-    is_soft = light.type == "POINT" and light.shadow_soft_size > 0.0 and getattr(light, "use_soft_falloff", False)
+    is_soft = light.type in ("POINT", "SPOT") and light.shadow_soft_size > 0.0 and getattr(light, "use_soft_falloff", False)
     return SoftLamp(owner.name, center.copy(), light.shadow_soft_size) if is_soft else None
 
 

@@ -238,24 +238,24 @@ def missing_images() -> Any:
 
 def lamp_in_view() -> Any:
     """A lamp that the camera must not see, under a sky that it sees."""
-    scene = base((0.1, 0.1, 0.1))
-    lamp(scene, "POINT", 100, (0.6, 1.0, 2.2), shadow_soft_size=0.4)
+    scene = base((0.6, 0.6, 0.6))
+    lamp(scene, "POINT", 60, (0.6, 1.0, 2.2), shadow_soft_size=0.2)
     return scene
 
 
 def lamp_without_mis() -> Any:
     """A smooth ball that does not show a lamp without Multiple Importance."""
-    scene = base((0.1, 0.1, 0.1))
+    scene = base((0.6, 0.6, 0.6))
     scene.objects["ball"].data.materials[0] = scenes.simple("mirror", "ShaderNodeBsdfGlossy", Color=(0.8, 0.8, 0.8), Roughness=0.0)
-    lamp(scene, "POINT", 60, (0.4, -1.6, 2.0), shadow_soft_size=0.3).data.cycles.use_multiple_importance_sampling = False
-    lamp(scene, "SUN", 0.5, rotation=(0.3, 0.2, 0.0), angle=0.3).data.cycles.use_multiple_importance_sampling = False
+    hidden = lamp(scene, "POINT", 40, (0.4, -1.6, 2.0), shadow_soft_size=0.3, use_soft_falloff=False)
+    hidden.data.cycles.use_multiple_importance_sampling = False
     return scene
 
 
 def spot_with_radius() -> Any:
     """A spot whose shadow is soft, and whose cone is wider than the picture."""
     scene = base(None)
-    lamp(scene, "SPOT", 300, (1.2, -0.6, 2.4), (0.25, 0.45, 0.0), shadow_soft_size=0.4, spot_size=2.0, spot_blend=0.0)
+    lamp(scene, "SPOT", 300, (1.2, -0.6, 2.4), (0.25, 0.45, 0.0), shadow_soft_size=0.4, use_soft_falloff=False, spot_size=2.0, spot_blend=0.0)
     return scene
 
 
