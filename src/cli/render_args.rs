@@ -60,8 +60,11 @@ pub fn with<T>(options: Options, value: Option<T>, set: impl FnOnce(Options, T) 
 impl<S: Subset> Given<S> {
     /// How the scene is read.
     pub fn load(&self) -> LoadOptions {
+        // Formats other than glTF know nothing of these names, and say so.
+        let chosen = [("time", "scene-time"), ("variant", "variant")].into_iter();
+        let chosen = chosen.filter_map(|(name, option)| Some((name.to_owned(), self.text(option)?.to_owned())));
         LoadOptions {
-            defines: self.values("D", form::define),
+            defines: self.values("D", form::define).into_iter().chain(chosen).collect(),
             camera: self.value("camera", CameraChoice::from_str),
             environment: self.value("environment", EnvironmentChoice::from_str),
         }
@@ -77,7 +80,7 @@ impl<S: Subset> Given<S> {
         OutputFiles {
             pictures: self.values("output", form::output_path),
             tone: self.word("tone"),
-            exposure: self.value("exposure", form::finite),
+            exposure: self.value("exposure", form::exposure),
             half: self.has("half"),
             denoise: self.has("denoise").then(|| self.denoiser()),
             overwrite: self.has("overwrite"),
@@ -151,7 +154,7 @@ impl<S: Subset> Given<S> {
 mod tests {
     use super::*;
     use clap::Parser;
-    use lodestar::image::ToneCurve;
+    use lodestar::image::{Exposure, ToneCurve};
     use lodestar::scene::Crop;
     use lodestar::settings::UNLIMITED_DEPTH;
     use std::path::PathBuf;
@@ -182,7 +185,10 @@ mod tests {
         .unwrap();
         let OutputFiles { pictures, tone, exposure, half, overwrite, .. } = args.files();
         assert_eq!(pictures, [PathBuf::from("a.exr"), PathBuf::from("a.PNG")]);
-        assert_eq!((exposure, tone, half, overwrite), (Some(-1.5), Some(ToneCurve::Paper), true, true));
+        assert_eq!(
+            (exposure, tone, half, overwrite),
+            (Some(Exposure::Stops(-1.5)), Some(ToneCurve::Paper), true, true)
+        );
         assert_eq!(args.value("crop", form::crop), Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
         assert_eq!(args.load().defines, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
         assert_eq!((args.word("log"), args.value("time", seconds)), (Some(LogFormat::Json), Some(61.5)));

@@ -3,6 +3,7 @@
 pub mod columns;
 pub mod comparison;
 mod date;
+mod exposure;
 pub mod exr;
 mod exr_columns;
 mod exr_limits;
@@ -19,6 +20,7 @@ pub mod report;
 pub mod texels;
 pub mod tone;
 
+pub use exposure::Exposure;
 pub use tone::ToneCurve;
 
 /// A picture in linear sRGB.

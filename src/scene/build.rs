@@ -84,6 +84,7 @@ impl Scene {
             textures: Vec::new(),
             images: Vec::new(),
             warnings: Vec::new(),
+            is_photometric: false,
         }
     }
 

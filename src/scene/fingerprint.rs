@@ -41,6 +41,7 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
         cameras: _,
         views: _,
         warnings: _,
+        is_photometric: _,
         camera,
         film,
         integrator,

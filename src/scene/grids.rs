@@ -6,6 +6,9 @@ use glam::{DVec3, UVec3};
 
 use super::texel_pages::PAGE_WORDS;
 
+/// Largest magnitude of a negative number that counts as 0, as a share of the largest number.
+const ROUNDING: f32 = 1.0e-6;
+
 /// Grid of numbers or colors over a box. No number is negative.
 #[derive(Debug)]
 pub(super) struct Grid {
@@ -21,12 +24,15 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Grid of these values over the unit cube. The message of an error goes on after the name of the grid.
-    pub fn new(size: UVec3, has_colors: bool, values: Vec<f32>) -> Result<Self, String> {
+    pub fn new(size: UVec3, has_colors: bool, mut values: Vec<f32>) -> Result<Self, String> {
         let count = Self::count(size, if has_colors { 3 } else { 1 })?;
         if values.len() as u64 != count {
             let [x, y, z] = size.to_array();
             return Err(format!("has {} numbers, but {x} x {y} x {z} voxels need {count}", values.len()));
         }
+        // Exporters interpolate, and round below 0.
+        let largest = values.iter().copied().filter(|value| value.is_finite()).fold(0.0, f32::max);
+        values.iter_mut().filter(|value| (-ROUNDING * largest..0.0).contains(*value)).for_each(|value| *value = 0.0);
         match values.iter().find(|value| !value.is_finite() || **value < 0.0) {
             Some(value) if value.is_finite() => Err(format!("has the negative value {value}")),
             Some(value) => Err(format!("has a value that is no finite number: {value}")),

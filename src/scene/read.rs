@@ -24,26 +24,25 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
     build(&mut describe(path, &options.defines)?, options, progress)
 }
 
-/// Description of the scene at `path`. `defines` replace the `<default>`s of XML.
+/// Description of the scene at `path`. `defines` replace the `<default>`s of XML, and choose the moment and the variant of a model.
 pub(super) fn describe(path: &Path, defines: &[(String, String)]) -> Result<Description> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let front_end = match extension.to_str() {
-        Some("gltf" | "glb") => super::gltf::read,
-        Some("pbrt") => super::pbrt::read,
+    match extension.to_str() {
+        Some("gltf" | "glb") => super::gltf::read(path, defines),
+        Some("pbrt") => match defines.first() {
+            None => super::pbrt::read(path),
+            Some((name, _)) => {
+                let message = format!("-D {name}: pbrt's scenes have no values that -D replaces; leave it out");
+                Err(Error::scene(path, None, message))
+            }
+        },
         extension => {
             if let Some(refusal) = extension.and_then(foreign::refusal) {
                 // A file that is missing is not one of a wrong format.
                 inputs::open(path)?;
                 return Err(Error::scene(path, None, refusal));
             }
-            return xml::read(path, defines);
-        }
-    };
-    match defines.first() {
-        None => front_end(path),
-        Some((name, _)) => {
-            let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");
-            Err(Error::scene(path, None, message))
+            xml::read(path, defines)
         }
     }
 }

@@ -55,6 +55,8 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Warnings about things that were read but are not rendered exactly, one sentence each, with file and line.
     pub warnings: Vec<String>,
+    /// Whether the file gives its lights in photometric units, as glTF does. Exporters differ in them by factors of hundreds.
+    pub is_photometric: bool,
 }
 
 impl Scene {

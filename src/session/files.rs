@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::denoise::DenoiseOptions;
 use crate::film::{self, Denoised, Picture, Precision};
-use crate::image::{Image, ToneCurve, exr, metrics, png};
+use crate::image::{Exposure, Image, ToneCurve, exr, metrics, png};
+use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::{Error, Result, files};
 
@@ -19,8 +20,8 @@ pub struct OutputFiles {
     pub pictures: Vec<PathBuf>,
     /// Tone curve of PNG files.
     pub tone: Option<ToneCurve>,
-    /// Exposure of PNG files in stops.
-    pub exposure: Option<f32>,
+    /// Exposure of PNG files. Without one, it is automatic for a glTF model, and else 0 stops.
+    pub exposure: Option<Exposure>,
     /// Whether the colors of EXR files are half floats.
     pub half: bool,
     /// How the last picture is denoised, if it is. EXR files have a layer `denoised` then, and PNG files show it.
@@ -58,7 +59,7 @@ impl OutputFiles {
 pub struct PictureFiles {
     pub(super) paths: Vec<PathBuf>,
     tone: ToneCurve,
-    exposure: f32,
+    exposure: Exposure,
     #[serde(default)]
     pub(super) half: bool,
 }
@@ -66,13 +67,16 @@ pub struct PictureFiles {
 impl PictureFiles {
     /// Chooses the files: the caller's wishes come first, then the files of an `earlier` part of the render, then the defaults.
     /// Every path is tried, so that a file that cannot be written is found before the render begins.
-    pub(super) fn new(wanted: &OutputFiles, earlier: Option<&Self>, scene_name: &str) -> Result<Self> {
+    pub(super) fn new(wanted: &OutputFiles, earlier: Option<&Self>, scene: &Scene) -> Result<Self> {
+        let scene_name = &scene.name;
         let given = |paths: &Vec<PathBuf>| (!paths.is_empty()).then(|| paths.clone());
         let default = || vec![PathBuf::from(format!("{scene_name}.exr"))];
+        // Exporters write lamps of glTF models in units that differ by factors of hundreds.
+        let of_format = || if scene.is_photometric { Exposure::Auto } else { Exposure::default() };
         let files = Self {
             paths: given(&wanted.pictures).or_else(|| given(&earlier?.paths)).unwrap_or_else(default),
             tone: wanted.tone.or_else(|| Some(earlier?.tone)).unwrap_or_default(),
-            exposure: wanted.exposure.or_else(|| Some(earlier?.exposure)).unwrap_or_default(),
+            exposure: wanted.exposure.or_else(|| Some(earlier?.exposure)).unwrap_or_else(of_format),
             half: wanted.half || earlier.is_some_and(|earlier| earlier.half),
         };
         exr::check_date()?;
@@ -82,7 +86,7 @@ impl PictureFiles {
 
     /// No files, for a render whose picture stays in memory.
     pub fn none() -> Self {
-        Self { paths: Vec::new(), tone: ToneCurve::default(), exposure: 0.0, half: false }
+        Self { paths: Vec::new(), tone: ToneCurve::default(), exposure: Exposure::default(), half: false }
     }
 
     /// The files by absolute paths, for a program that is started in another folder.
@@ -139,7 +143,7 @@ impl PictureFiles {
         let precision = if self.half { Precision::Half } else { Precision::Float };
         let write = |path: &PathBuf| {
             match files::has_extension(path, "png") {
-                true => png::write(path, &shown(picture, denoised), self.tone, self.exposure)?,
+                true => png::write(path, &shown(picture, denoised), self.tone, self.stops(picture, denoised))?,
                 false => {
                     let mut tell = |share| {
                         if share < 1.0 {
@@ -153,6 +157,21 @@ impl PictureFiles {
             Ok(())
         };
         self.paths.iter().map(write).fold(Ok(()), Result::and)
+    }
+
+    /// Exposure of the picture in PNG files, in stops.
+    fn stops(&self, picture: &Picture, denoised: Option<&Denoised>) -> f32 {
+        let pixels = denoised.map_or(&picture.radiance, |denoised| &denoised.pixels);
+        self.exposure.stops(pixels, |at| picture.hit_count.get(at).is_some_and(|&count| count > 0))
+    }
+
+    /// Line about the exposure of PNG files, where it is automatic.
+    pub(super) fn exposure_line(&self, picture: &Picture, denoised: Option<&Denoised>) -> Option<String> {
+        let has_png = self.paths.iter().any(|path| files::has_extension(path, "png"));
+        (has_png && self.exposure == Exposure::Auto).then(|| {
+            let stops = self.stops(picture, denoised);
+            format!("exposure of the PNG picture: {stops} stops, chosen by itself (--exposure {stops} makes the same, --exposure 0 none)")
+        })
     }
 
     /// Warning that colors are too bright for the files' half floats, if some are.

@@ -102,6 +102,8 @@ fn write_last(running: &Running, picture: &Picture, is_rendered: bool, watch: &W
         let denoised = running.output().denoise(picture);
         // A picture that cannot be denoised is still written.
         let layer = denoised.as_ref().ok().and_then(Option::as_ref);
+        let exposure = running.output().pictures.exposure_line(picture, layer);
+        exposure.iter().for_each(|line| watch.tell(Event::Note(line)));
         let written = running.write_pictures(picture, layer, watch);
         return written.and(denoised.map(drop));
     }

@@ -152,7 +152,7 @@ impl Inputs {
     pub fn new(plan: &Plan, scene: &Scene, options: &Options, watch: &Watch<'_>) -> Result<Self> {
         let earlier = plan.earlier.as_ref().map(|earlier| &earlier.record.outputs);
         let pictures = match &options.files {
-            Some(wanted) => PictureFiles::new(wanted, earlier, &scene.name)?,
+            Some(wanted) => PictureFiles::new(wanted, earlier, scene)?,
             None => earlier.cloned().unwrap_or_else(PictureFiles::none),
         };
         let kernels = KernelFiles::load(options.kernel_folder.as_deref())?;

@@ -10,6 +10,7 @@ mod fuzz;
 mod fuzz_renders;
 mod geometry;
 mod gltf;
+mod gltf_choices;
 mod gltf_compressed;
 mod gltf_cornell;
 mod gltf_surfaces;

@@ -378,6 +378,44 @@ fn vertex_colors_of_many_triangles_stay_apart() {
     }
 }
 
+/// Attributes of any name, of faces too, and of one channel.
+#[test]
+fn attributes_of_vertices_and_faces_color() {
+    let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float heat_0\n\
+               property float tint_r\nproperty float tint_g\nproperty float tint_b\nelement face 2\nproperty list uchar int vertex_indices\n\
+               property float age_0\nend_header\n0 0 0 0.1 1 0 0\n1 0 0 0.2 0 1 0\n1 1 0 0.3 0 0 1\n0 1 0 0.4 0.5 0.5 0.5\n\
+               3 0 1 2 0.25\n3 0 2 3 0.75\n";
+    let corner = |name: &str, parameter: &str, triangle: usize, corner: usize| {
+        let texture = COLORS.replace("radiance", parameter).replace("vertex_color", name);
+        let bsdf = format!(r#"<bsdf type="roughconductor">{texture}</bsdf>"#);
+        let scene = ply_scene(ply.as_bytes(), &bsdf).unwrap();
+        sample(&scene.textures[0], &scene.images, scene.primitives[triangle].uvs[corner].as_dvec2())
+            .truncate()
+            .as_vec3()
+    };
+    for (name, triangle, at, right) in [
+        ("vertex_heat", 0, 1, Vec3::splat(0.2)),
+        ("vertex_heat", 1, 2, Vec3::splat(0.4)),
+        ("vertex_tint_color", 0, 2, Vec3::Z),
+        ("face_age", 0, 2, Vec3::splat(0.25)),
+        ("face_age", 1, 0, Vec3::splat(0.75)),
+    ] {
+        let found = corner(name, "specular_reflectance", triangle, at);
+        assert!(found.abs_diff_eq(right, 1e-6), "{name}: {found} is not {right}");
+    }
+    assert!(corner("vertex_heat", "alpha", 0, 0).abs_diff_eq(Vec3::splat(0.1), 1e-6));
+    let refused = |textures: &str, says: &str| {
+        let error = ply_scene(ply.as_bytes(), &format!(r#"<bsdf type="roughconductor">{textures}</bsdf>"#));
+        let error = error.map(drop).expect_err(says).to_string();
+        assert!(error.contains(says), "{error}");
+    };
+    let one = |parameter: &str, name: &str| COLORS.replace("radiance", parameter).replace("vertex_color", name);
+    refused(&one("alpha", "vertex_cold"), "needs a `ply` with the attribute `vertex_cold`");
+    refused(&one("alpha", "heat"), "the attribute `heat` should begin with `vertex_` or `face_`");
+    let two = one("alpha", "vertex_heat") + &one("specular_reflectance", "face_age");
+    refused(&two, "the attributes `vertex_heat` and `face_age` on one shape");
+}
+
 #[test]
 fn vertex_colors_that_cannot_be_are_refused() {
     let names = |kind: &str| ["red", "green", "blue"].map(|name| format!("property {kind} {name}\n")).concat();

@@ -93,9 +93,12 @@ fn ply_of_any_encoding() {
 #[test]
 fn ply_files_that_lie() {
     let text = |from: &str, to: &str| String::from_utf8(ascii_ply()).unwrap().replace(from, to);
-    for (element, from) in [("vertex", "vertex 4"), ("face", "face 1"), ("end", "end 1")] {
+    let early = "too early";
+    for (element, from, says) in
+        [("vertex", "vertex 4", early), ("face", "face 1", "the header promises"), ("end", "end 1", early)]
+    {
         let lie = text(from, &format!("{element} 18446744073709551615"));
-        refuse("ply", lie.as_bytes(), "", &["mesh:3", "too early", "18446744073709551615", element]);
+        refuse("ply", lie.as_bytes(), "", &["mesh:3", says, "18446744073709551615", element]);
     }
     let header = PLY_HEADER.replace("remark 2", "remark 18446744073709551615");
     for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
@@ -312,6 +315,17 @@ fn more_triangles_than_fit_are_refused_before_they_are_made() {
     let error = with_mesh(&mirrored.repeat(1000), 40_000).load(&[]).map(drop);
     let error = error.expect_err("40 million are too many").to_string();
     assert!(error.contains("no more than 33554432 fit"), "{error}");
+}
+
+/// The header of a PLY file tells that it has too many faces, before they are read.
+#[test]
+fn ply_files_of_too_many_faces_are_refused_by_their_header() {
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 40000000\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n";
+    let body = r#"<shape type="ply"><string name="filename" value="a.ply"/></shape>"#;
+    let error = Folder::new(&[("scene.xml", &with_sensor(body)), ("a.ply", ply)]).load(&[]).map(drop);
+    let error = error.expect_err("40 million are too many").to_string();
+    assert!(error.contains("the header promises 40000000 faces; no more than 33554432 fit a scene"), "{error}");
 }
 
 /// Instances of a large group are kept, but for those that have no inverse. Spheres are copied.

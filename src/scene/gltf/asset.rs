@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use gltf::Document;
 use serde_json::Value as Json;
 
+use super::choices::{Choices, choose_variant, told};
+use super::pose::Pose;
 use super::usual::Usual;
 use super::{buffers, compression};
 use crate::scene::text;
@@ -55,11 +57,15 @@ pub(super) struct Asset {
     /// Number of elements without data that may still be made.
     zeros_left: Cell<usize>,
     warnings: RefCell<Vec<String>>,
+    /// Animations of the file.
+    pub animations: Vec<Json>,
+    /// Pose of the nodes at the moment that is shown.
+    pub pose: Pose,
 }
 
 impl Asset {
-    /// Reads the file and its buffers.
-    pub fn open(path: &Path) -> Result<Self> {
+    /// Reads the file and its buffers, with the choices of the user.
+    pub fn open(path: &Path, choices: &Choices) -> Result<Self> {
         let bytes = inputs::read(path, buffers::MAX_BYTES)?;
         let error = |error: gltf::Error| Error::scene(path, None, format!("it is no glTF 2.0 file: {}", brief(&error)));
         let (json, blob) = match bytes.starts_with(MAGIC) {
@@ -72,17 +78,22 @@ impl Asset {
         let mut buffers = buffers::read(path, &raw, blob)?;
         let fault = |message| Error::scene(path, None, message);
         compression::decode(&mut raw, &mut buffers).map_err(fault)?;
-        let Usual { json, zeros, is_animated } = Usual::of(raw).map_err(fault)?;
+        let variants = choose_variant(&mut raw, choices.variant.as_deref()).map_err(fault)?;
+        let Usual { json, zeros, animations } = Usual::of(raw).map_err(fault)?;
         buffers.extend(zeros.map(|(_, length)| vec![0; length]));
         let root: gltf::json::Root = serde_json::from_value(json).map_err(invalid)?;
         check_attributes(path, &root)?;
         check_images(path, &root)?;
         let document = Document::from_json(root).map_err(error)?;
         let (path, warnings) = (path.to_path_buf(), RefCell::default());
-        let asset = Self { path, document, buffers, zeros, zeros_left: Cell::new(MOST_ZEROS), warnings };
+        let (zeros_left, pose) = (Cell::new(MOST_ZEROS), Pose::default());
+        let asset = Self { path, document, buffers, zeros, zeros_left, warnings, animations, pose };
         asset.warn_of_extensions();
-        if is_animated {
-            asset.warn("animations are ignored; nodes stand where the file puts them");
+        if choices.variant.is_none() && !variants.is_empty() {
+            let names = told(&variants);
+            asset.warn(format!(
+                "its materials have the variants {names}; the default is rendered (--variant NAME chooses)"
+            ));
         }
         Ok(asset)
     }

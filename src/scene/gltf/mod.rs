@@ -5,9 +5,11 @@
 
 mod accessors;
 mod alpha;
+mod animation;
 mod asset;
 mod budget;
 mod buffers;
+mod choices;
 mod compression;
 mod corners;
 mod images;
@@ -15,6 +17,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod nodes;
+mod pose;
 mod relief;
 mod skins;
 mod specular_glossiness;
@@ -24,20 +27,23 @@ mod wearer;
 use std::path::Path;
 
 use super::description::Description;
-use crate::Result;
+use crate::{Error, Result};
 use asset::Asset;
+use choices::Choices;
 use images::Images;
 use lights::Cameras;
 use materials::Materials;
 use meshes::Meshes;
 use nodes::Placed;
 
-/// Reads the file at `path`.
+/// Reads the file at `path`. The definitions may choose a `time` of its animation, and a `variant` of its materials.
 ///
 /// # Errors
 /// Where the file or one of its buffers cannot be read, is damaged, or requires an extension that is not supported.
-pub(super) fn read(path: &Path) -> Result<Description> {
-    let asset = Asset::open(path)?;
+pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Description> {
+    let choices = Choices::of(defines).map_err(|message| Error::scene(path, None, message))?;
+    let mut asset = Asset::open(path, &choices)?;
+    asset.pose = animation::pose(&asset, choices.time)?;
     let nodes = nodes::placed(&asset)?;
     let mut images = Images::new(&asset);
     let mut materials = Materials::default();

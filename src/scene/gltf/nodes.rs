@@ -65,10 +65,13 @@ impl<'a> Found<'a> {
         if visible == Some(false) {
             return Ok(());
         }
-        let columns = node.transform().matrix().map(|column| column.map(f64::from));
-        // Some writers round the last entry of a matrix, which is 1.
-        let scale = Some(columns[3][3]).filter(|last| (last - 1.0).abs() < 1.0e-4).unwrap_or(1.0);
-        let world_from_node = world_from_parent * (DMat4::from_cols_array_2d(&columns) * scale.recip());
+        let of_file = || {
+            let columns = node.transform().matrix().map(|column| column.map(f64::from));
+            // Some writers round the last entry of a matrix, which is 1.
+            let scale = Some(columns[3][3]).filter(|last| (last - 1.0).abs() < 1.0e-4).unwrap_or(1.0);
+            DMat4::from_cols_array_2d(&columns) * scale.recip()
+        };
+        let world_from_node = world_from_parent * self.asset.pose.transform(node).unwrap_or_else(of_file);
         if !world_from_node.is_finite() {
             return Err(self.asset.error(format!("the transform of node {} is not finite", node.index())));
         }

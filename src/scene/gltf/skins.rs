@@ -1,4 +1,4 @@
-//! Morph targets and skins at the default pose.
+//! Morph targets and skins.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use gltf::{Mesh, Node, Primitive, Skin};
@@ -22,13 +22,15 @@ pub(super) fn morph(
     primitive: &Primitive,
     vertices: &mut Vertices,
 ) -> Result<()> {
-    let weights = node.weights().or_else(|| mesh.weights()).unwrap_or_default();
-    for (target, &weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+    let of_file =
+        || node.weights().or_else(|| mesh.weights()).unwrap_or_default().iter().copied().map(f64::from).collect();
+    let weights: Vec<f64> = asset.pose.weights(node.index()).map_or_else(of_file, <[f64]>::to_vec);
+    for (target, weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| *weight != 0.0) {
         let moved = [(target.positions(), &mut vertices.positions), (target.normals(), &mut vertices.normals)];
         for (accessor, values) in moved {
             let Some(accessor) = accessor else { continue };
             for (value, by) in values.iter_mut().zip(asset.elements::<3>(&accessor)?) {
-                *value += f64::from(weight) * DVec3::from_array(by);
+                *value += weight * DVec3::from_array(by);
             }
         }
     }

@@ -10,8 +10,8 @@ pub(super) struct Usual {
     pub json: Json,
     /// Index of a buffer of zeros, which the file does not have, and its length in bytes.
     pub zeros: Option<(usize, usize)>,
-    /// Whether the file has animations.
-    pub is_animated: bool,
+    /// Animations of the file.
+    pub animations: Vec<Json>,
 }
 
 impl Usual {
@@ -22,10 +22,12 @@ impl Usual {
     /// Where accessors without data are too long.
     pub fn of(mut json: Json) -> Result<Self, String> {
         remove_extras(&mut json);
-        let Some(root) = json.as_object_mut() else { return Ok(Self { json, zeros: None, is_animated: false }) };
+        let Some(root) = json.as_object_mut() else { return Ok(Self { json, zeros: None, animations: Vec::new() }) };
         root.remove("extensionsRequired");
-        let animations = root.remove("animations");
-        let is_animated = animations.and_then(|list| Some(!list.as_array()?.is_empty())).unwrap_or(false);
+        let animations = match root.remove("animations") {
+            Some(Json::Array(list)) => list,
+            _ => Vec::new(),
+        };
         for scene in list(root.get_mut("scenes")) {
             if let Some(scene) = scene.as_object_mut() {
                 scene.entry("nodes").or_insert_with(|| json!([]));
@@ -38,7 +40,7 @@ impl Usual {
             }
         }
         let zeros = add_zeros(root)?;
-        Ok(Self { json, zeros, is_animated })
+        Ok(Self { json, zeros, animations })
     }
 }
 

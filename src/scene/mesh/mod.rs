@@ -3,6 +3,7 @@
 pub(super) mod curves;
 mod obj;
 mod ply;
+mod ply_attributes;
 pub(super) mod ply_writer;
 pub(super) mod rings;
 mod serialized;
@@ -17,7 +18,7 @@ use crate::scene::text;
 use crate::{Error, Result, inputs};
 
 use curves::CurveFormat;
-pub(super) use triangles::{MAX_TRIANGLES, Mesh};
+pub(super) use triangles::{MAX_TRIANGLES, Mesh, VERTEX_COLOR};
 
 /// Largest mesh file in bytes. Meshes are kept whole while they are read, and a larger file is a mistake.
 const MAX_FILE_BYTES: u64 = 8 << 30;
@@ -35,11 +36,11 @@ pub(super) enum MeshFormat {
     Memory(usize),
 }
 
-/// Reads the mesh file at `path`.
-pub(super) fn read(path: &Path, format: MeshFormat) -> Result<Mesh> {
+/// Reads the mesh file at `path`, with those of the `attributes` that it has.
+pub(super) fn read(path: &Path, format: MeshFormat, attributes: &[&str]) -> Result<Mesh> {
     let mesh = match format {
         MeshFormat::Obj => obj::parse(path, &plain_text(&bytes(path)?))?,
-        MeshFormat::Ply => ply::parse(path, &bytes(path)?)?,
+        MeshFormat::Ply => ply::parse(path, &bytes(path)?, attributes)?,
         MeshFormat::Serialized(index) => serialized::read(path, index)?,
         MeshFormat::Curves(curves) => curves::parse(path, &plain_text(&bytes(path)?), &curves)?,
         MeshFormat::Memory(_) => Mesh::default(),
@@ -70,7 +71,7 @@ pub(super) fn warning(path: &Path, mesh: &Mesh) -> Option<String> {
 
 /// Reads the mesh of the PLY file at `path`, which holds `bytes`.
 pub(super) fn parse_ply(path: &Path, bytes: &[u8]) -> Result<Mesh> {
-    ply::parse(path, bytes)
+    ply::parse(path, bytes, &[])
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {

@@ -6,15 +6,16 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::triangles::{Cutter, Mesh};
+use super::ply_attributes::Kept;
+use super::triangles::{Cutter, MAX_TRIANGLES, Mesh};
 use super::words::Words;
 use crate::{Error, Result, quoted};
 
-/// Reads the mesh in the PLY file at `path`, which holds `bytes`.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Mesh> {
+/// Reads the mesh in the PLY file at `path`, which holds `bytes`, with those of the `attributes` that it has.
+pub(super) fn parse(path: &Path, bytes: &[u8], attributes: &[&str]) -> Result<Mesh> {
     let fault = |(line, message): (Option<u32>, String)| Error::scene(path, line, message);
     let (header, source) = read_header(bytes).map_err(fault)?;
-    read_body(&header, source).map_err(fault)
+    read_body(&header, source, attributes).map_err(fault)
 }
 
 /// Line of the fault (for text files) and message.
@@ -223,18 +224,18 @@ const FIRST_NORMAL: usize = 3;
 /// Place of the first color in [`VERTEX_NUMBERS`].
 const FIRST_COLOR: usize = 8;
 
-fn read_body(elements: &[Element], mut source: Source) -> Result<Mesh, Fault> {
+fn read_body(elements: &[Element], mut source: Source, attributes: &[&str]) -> Result<Mesh, Fault> {
     let mut mesh = Mesh::default();
     for element in elements {
-        read_items(element, &mut source, &mut mesh).map_err(|message| (source.line(), message))?;
+        read_items(element, &mut source, &mut mesh, attributes).map_err(|message| (source.line(), message))?;
     }
     Ok(mesh)
 }
 
-fn read_items(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
+fn read_items(element: &Element, source: &mut Source, mesh: &mut Mesh, attributes: &[&str]) -> Result<(), String> {
     match element.name.as_str() {
-        "vertex" => read_vertices(element, source, mesh),
-        "face" => read_faces(element, source, mesh),
+        "vertex" => read_vertices(element, source, mesh, attributes),
+        "face" => read_faces(element, source, mesh, attributes),
         // Items without properties take no space in the file, so they are not counted through.
         _ if element.properties.is_empty() => Ok(()),
         _ => (0..element.count).try_for_each(|_| element.read(source, |_, _| Ok(()))),
@@ -266,6 +267,13 @@ impl Element {
         })
     }
 
+    /// Attributes of the items that textures may show. `kind` is the beginning of their names.
+    fn attributes(&self, kind: &str, wanted: &[&str]) -> Kept {
+        let name = |property: &Property| property.length.is_none().then(|| property.name.clone());
+        let names: Vec<_> = self.properties.iter().map(name).collect();
+        Kept::of(kind, &names.iter().map(Option::as_deref).collect::<Vec<_>>(), wanted)
+    }
+
     /// Index of the property that has one of these names and is a list or not.
     fn place(&self, names: &[&str], is_list: bool) -> Option<usize> {
         let is_it = |p: &Property| names.contains(&p.name.as_str()) && p.length.is_some() == is_list;
@@ -280,7 +288,7 @@ fn whole(number: f64, what: &str) -> Result<u32, String> {
     Err(format!("{number} is not {what}"))
 }
 
-fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
+fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh, wanted: &[&str]) -> Result<(), String> {
     let places = VERTEX_NUMBERS.map(|names| element.place(names, false));
     let has = |range: std::ops::Range<usize>| places[range].iter().all(Option::is_some);
     if !has(0..3) {
@@ -290,6 +298,7 @@ fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Res
     let largest = |place: Option<usize>| place.map_or(1.0, |place| element.properties[place].scalar.largest_color());
     let largest = [8, 9, 10].map(|own| largest(places[own]));
     mesh.has_byte_colors |= has_colors && largest.iter().any(|&largest| largest != 1.0);
+    let mut attributes = element.attributes("vertex_", wanted);
     for _ in 0..element.count {
         let mut vertex = [0.0_f32; VERTEX_NUMBERS.len()];
         element.read(source, |place, number| {
@@ -298,8 +307,10 @@ fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Res
                 let is_free = (FIRST_NORMAL..FIRST_NORMAL + 3).contains(&at) || at >= FIRST_COLOR;
                 vertex[at] = if is_free { number as f32 } else { finite(number)? };
             }
+            attributes.note(place, number);
             Ok(())
         })?;
+        attributes.push(1);
         let [x, y, z, nx, ny, nz, u, v, red, green, blue] = vertex;
         mesh.positions.push(Vec3::new(x, y, z));
         if has_normals {
@@ -313,6 +324,7 @@ fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Res
             mesh.colors.push(Vec3::new(red, green, blue) / Vec3::from_array(largest));
         }
     }
+    mesh.attributes.extend(attributes.finish());
     Ok(())
 }
 
@@ -320,13 +332,18 @@ fn finite(number: f64) -> Result<f32, String> {
     Some(number as f32).filter(|number| number.is_finite()).ok_or_else(|| format!("`{number}` is not a finite number"))
 }
 
-fn read_faces(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
+fn read_faces(element: &Element, source: &mut Source, mesh: &mut Mesh, wanted: &[&str]) -> Result<(), String> {
+    if element.count > MAX_TRIANGLES as u64 {
+        let count = element.count;
+        return Err(format!("the header promises {count} faces; no more than {MAX_TRIANGLES} fit a scene"));
+    }
     let place = element.place(&["vertex_indices", "vertex_index"], true);
     let place = place.ok_or("the element `face` lacks its list `vertex_indices`")?;
     let wedges = element.place(&["texcoord"], true);
     let vertex_count = mesh.positions.len();
     let (mut polygon, mut uvs, mut cutter) = (Vec::new(), Vec::new(), Cutter::default());
     let mut seams = Seams::new(vertex_count);
+    let mut attributes = element.attributes("face_", wanted);
     for _ in 0..element.count {
         polygon.clear();
         uvs.clear();
@@ -340,13 +357,17 @@ fn read_faces(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result
             } else if Some(own) == wedges {
                 uvs.push(finite(number)?);
             }
+            attributes.note(own, number);
             Ok(())
         })?;
         if wedges.is_some() {
             seams.split(&mut polygon, &uvs, mesh)?;
         }
+        let before = mesh.triangles.len();
         cutter.add(&mut mesh.triangles, &polygon, &mesh.positions)?;
+        attributes.push(mesh.triangles.len() - before);
     }
+    mesh.attributes.extend(attributes.finish());
     mesh.left_out += cutter.left_out;
     if !mesh.uvs.is_empty() {
         mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
@@ -405,6 +426,7 @@ impl Seams {
         mesh.positions.push(mesh.positions[vertex]);
         mesh.normals.extend(mesh.normals.get(vertex).copied());
         mesh.colors.extend(mesh.colors.get(vertex).copied());
+        mesh.attributes.iter_mut().for_each(|own| own.values.extend(own.values.get(vertex).copied()));
         mesh.uvs.push(uv);
         mesh.positions.len() as u32 - 1
     }

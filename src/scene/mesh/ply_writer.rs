@@ -6,7 +6,17 @@ use super::Mesh;
 
 /// Writes `mesh` with every attribute that it has. Single-precision numbers keep all their bits.
 pub(in crate::scene) fn write(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
-    let Mesh { positions, normals, uvs, colors, has_byte_colors: _, left_out: _, deviation: _, triangles } = mesh;
+    let Mesh {
+        positions,
+        normals,
+        uvs,
+        colors,
+        attributes: _,
+        has_byte_colors: _,
+        left_out: _,
+        deviation: _,
+        triangles,
+    } = mesh;
     let names =
         [("x y z", true), ("nx ny nz", !normals.is_empty()), ("u v", !uvs.is_empty()), ("r g b", !colors.is_empty())];
     writeln!(to, "ply\nformat binary_little_endian 1.0\nelement vertex {}", positions.len())?;

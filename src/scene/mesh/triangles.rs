@@ -17,6 +17,8 @@ pub(in crate::scene) struct Mesh {
     pub uvs: Vec<Vec2>,
     /// One color per vertex, as in the file; empty where it has none. They may be no numbers.
     pub colors: Vec<Vec3>,
+    /// Other numbers and colors of vertices and faces that textures show.
+    pub attributes: Vec<MeshAttribute>,
     /// Whether the file gives the colors as whole numbers, of which the largest stands for 1.
     pub has_byte_colors: bool,
     /// Largest distance from the surface that the mesh stands for, in radii of its tubes; 0 where the mesh is the surface.
@@ -26,6 +28,38 @@ pub(in crate::scene) struct Mesh {
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
+
+/// Numbers or colors of the vertices or the triangles of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::scene) struct MeshAttribute {
+    /// Mitsuba's name: one that begins with `face_` has a value for each triangle, another for each vertex.
+    pub name: String,
+    /// Values; a number counts as a gray color. They may be no numbers.
+    pub values: Vec<Vec3>,
+}
+
+impl Mesh {
+    /// Colors of a triangle's corners by the attribute of that name; `None` where the mesh does not have it.
+    pub fn corner_colors(&self, attribute: &str, triangle: usize) -> Option<[Vec3; 3]> {
+        let values = self.values_of(attribute)?;
+        match attribute.starts_with("face_") {
+            true => values.get(triangle).map(|&value| [value; 3]),
+            false => Some(self.triangles.get(triangle)?.map(|vertex| values[vertex as usize])),
+        }
+    }
+
+    /// Values of the attribute of that name, as Mitsuba calls it; `None` where the mesh does not have it.
+    pub fn values_of(&self, attribute: &str) -> Option<&[Vec3]> {
+        if attribute == VERTEX_COLOR {
+            return (!self.colors.is_empty()).then_some(&self.colors);
+        }
+        let found = self.attributes.iter().find(|own| own.name == attribute)?;
+        Some(&found.values)
+    }
+}
+
+/// Mitsuba's name of the colors of vertices.
+pub(in crate::scene) const VERTEX_COLOR: &str = "vertex_color";
 
 /// Most corners of a concave polygon. The time that its cutting takes grows with their square.
 const MOST_CORNERS: usize = 1 << 16;

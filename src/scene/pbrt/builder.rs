@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::color_space::ColorSpace;
 use super::files::Files;
+use super::old_files;
 use super::parameters::{MAX_PARAMETERS, Parameter, Parameters};
 use super::read_form;
 use super::tokens::{Place, brief};
@@ -191,10 +192,22 @@ impl Builder {
         self.state.material = MaterialUse::Named(name.to_owned(), place.clone());
     }
 
+    /// Changes a directive of pbrt-v3 into one of v4.
+    fn upgrade(&mut self, directive: &str, kind: &mut String, parameters: &mut Parameters) -> Result<()> {
+        let is_image = directive == "Film" && kind == "image";
+        let is_known = self.known_warnings.contains(old_files::WARNING);
+        if old_files::upgrade(directive, kind, parameters, is_known)? {
+            self.warn_once(&parameters.place, old_files::WARNING);
+        }
+        self.world.has_old_film |= is_image;
+        Ok(())
+    }
+
     /// Defines a medium. One that no surface borders changes no picture.
-    pub fn add_medium(&mut self, name: String, parameters: Parameters) -> Result<()> {
+    pub fn add_medium(&mut self, name: String, mut parameters: Parameters) -> Result<()> {
         let place = parameters.place.clone();
         self.count(&place)?;
+        self.upgrade("MakeNamedMedium", &mut String::new(), &mut parameters)?;
         let parameters = parameters.with_defaults(&self.state.attributes[3]);
         let kind = parameters.text("type")?.unwrap_or_default().to_owned();
         let medium = self.entity(kind, parameters);
@@ -293,10 +306,17 @@ impl Builder {
         Ok(())
     }
 
-    pub fn add_texture(&mut self, name: String, value: &str, kind: String, parameters: Parameters) -> Result<()> {
+    pub fn add_texture(
+        &mut self,
+        name: String,
+        value: &str,
+        mut kind: String,
+        mut parameters: Parameters,
+    ) -> Result<()> {
         let place = parameters.place.clone();
         self.check_world("Texture", &place)?;
         self.count(&place)?;
+        self.upgrade("Texture", &mut kind, &mut parameters)?;
         let entity = self.entity(kind, parameters.with_defaults(&self.state.attributes[4]));
         let (number, textures) = (self.texture_count, &mut self.world);
         self.texture_count += 1;
@@ -316,9 +336,10 @@ impl Builder {
     }
 
     /// Adds what a directive with a type and parameters describes.
-    pub fn add(&mut self, directive: &str, kind: String, parameters: Parameters) -> Result<()> {
+    pub fn add(&mut self, directive: &str, mut kind: String, mut parameters: Parameters) -> Result<()> {
         let place = parameters.place.clone();
         self.count(&place)?;
+        self.upgrade(directive, &mut kind, &mut parameters)?;
         match directive {
             "Camera" => {
                 self.check_options(directive, &place)?;

@@ -18,7 +18,7 @@ const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e7;
 /// Color of a material. Channels that a spectrum or another color space makes negative become 0.
 pub(super) fn of_material(parameter: &Parameter, space: ColorSpace, files: &mut Files) -> Result<[f64; 3]> {
     let color = match parameter.kind.as_str() {
-        "rgb" | "color" => rgb(parameter, space)?,
+        "rgb" | "color" => space.to_srgb(rgb(parameter)?),
         "spectrum" => match points(parameter, files)? {
             Spectrum::Points(points) => spectrum::of_material(&points),
             Spectrum::Named(name) => named_spectra::of_material(&name).ok_or_else(|| not_known(parameter, &name))?,
@@ -34,7 +34,7 @@ pub(super) fn of_material(parameter: &Parameter, space: ColorSpace, files: &mut 
 /// Color of a light, as bright as pbrt makes it before it applies the light's `scale`.
 pub(super) fn of_light(parameter: &Parameter, space: ColorSpace, files: &mut Files) -> Result<[f64; 3]> {
     let color = match parameter.kind.as_str() {
-        "rgb" | "color" => rgb(parameter, space)?,
+        "rgb" | "color" => space.light_to_srgb(rgb(parameter)?),
         "blackbody" => normalized(spectrum::of_light(&blackbody(parameter)?)),
         "spectrum" => match points(parameter, files)? {
             Spectrum::Points(points) => normalized(spectrum::of_light(&points)),
@@ -66,11 +66,11 @@ pub(super) fn index(parameter: &Parameter, files: &mut Files) -> Result<(f64, bo
     Ok((index, points.iter().any(|point| point[1] != points[0][1])))
 }
 
-fn rgb(parameter: &Parameter, space: ColorSpace) -> Result<[f64; 3]> {
+fn rgb(parameter: &Parameter) -> Result<[f64; 3]> {
     let color = parameter.three()?;
     match color.iter().find(|&&channel| channel < 0.0) {
         Some(channel) => Err(parameter.error(format!("must not be negative, as {channel} is"))),
-        None => Ok(space.to_srgb(color)),
+        None => Ok(color),
     }
 }
 

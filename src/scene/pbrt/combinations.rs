@@ -68,6 +68,25 @@ impl Textures<'_> {
         Ok(self.computed(value, mean, entity))
     }
 
+    /// Texture of the unit square that is 0 beyond it.
+    pub fn bordered(&mut self, node: &Node, entity: &Entity) -> Result<Node> {
+        let mut value = self.operand(node)?;
+        for index in [0, 1] {
+            let coordinate = || -> Result<Value> {
+                Ok(texture("component", [("value", mappings::of_plane(entity)?), ("index", Value::Integer(index))]))
+            };
+            let is_outside = [
+                texture("less", [("a", coordinate()?), ("b", Value::Float(0.0))]),
+                texture("less", [("a", Value::Float(1.0)), ("b", coordinate()?)]),
+            ];
+            for outside in is_outside {
+                let inside = texture("subtract", [("a", Value::Float(1.0)), ("b", outside)]);
+                value = texture("multiply", [("a", value), ("b", inside)]);
+            }
+        }
+        Ok(self.computed(value, node.rough_mean(), entity))
+    }
+
     /// Keeps a texture that kernels compute.
     pub fn computed(&mut self, value: Value, mean: DVec3, entity: &Entity) -> Node {
         let place = &entity.parameters.place;

@@ -32,13 +32,23 @@ pub(super) fn square_from_direction(direction: DVec3) -> DVec2 {
 /// map has the energy of the square map in each channel.
 pub(super) fn unrolled(square: &Raster) -> Raster {
     let side = square.width;
-    let width = (2 * side).clamp(8, MAX_WIDTH);
-    let height = width / 2 + 1;
-    let look_up = |direction: DVec3| {
+    let mut map = rolled(2 * side, |direction| {
         let at = square_from_direction(direction) * side as f64;
         let index = |at: f64| (at as usize).min(side - 1);
         square.texels[index(at.y) * side + index(at.x)].as_dvec3()
-    };
+    });
+    let mean = |colors: &Raster| colors.texels.iter().map(|texel| texel.as_dvec3()).sum::<DVec3>();
+    let (wanted, found) = (mean(square) / (side * side) as f64, sphere_mean(&map));
+    let factor = DVec3::select(found.cmpgt(DVec3::ZERO), wanted / found, DVec3::ONE).as_vec3();
+    map.texels.iter_mut().for_each(|texel| *texel *= factor);
+    map
+}
+
+/// Map of longitude and latitude of a function of the direction, whose `+z` becomes the map's `+y`. Each texel is the mean over its cell.
+/// `width` is the wanted number of texels in a row.
+pub(super) fn rolled(width: usize, look_up: impl Fn(DVec3) -> DVec3 + Sync) -> Raster {
+    let width = width.clamp(8, MAX_WIDTH);
+    let height = width / 2 + 1;
     let azimuths: Vec<DVec2> = (0..width * POINTS)
         .map(|point| DVec2::from_angle((point as f64 + 0.5) / (width * POINTS) as f64 * TAU))
         .collect();
@@ -62,12 +72,14 @@ pub(super) fn unrolled(square: &Raster) -> Raster {
         (0..width).map(texel).collect::<Vec<Vec3>>()
     };
     let texels: Vec<Vec3> = (0..height).into_par_iter().flat_map_iter(row).collect();
-    let mut map = Raster { width, height, texels };
-    let mean = |colors: &Raster| colors.texels.iter().map(|texel| texel.as_dvec3()).sum::<DVec3>();
-    let (wanted, found) = (mean(square) / (side * side) as f64, sphere_mean(&map));
-    let factor = DVec3::select(found.cmpgt(DVec3::ZERO), wanted / found, DVec3::ONE).as_vec3();
-    map.texels.iter_mut().for_each(|texel| *texel *= factor);
-    map
+    Raster { width, height, texels }
+}
+
+/// Direction of a texel's center in the space of a map of longitude and latitude. The first and the last row are the poles.
+pub(super) fn direction_of_texel(column: usize, row: usize, width: usize, height: usize) -> DVec3 {
+    let (sine, cosine) = (row as f64 / (height - 1) as f64 * PI).sin_cos();
+    let azimuth = DVec2::from_angle((column as f64 + 0.5) / width as f64 * TAU);
+    DVec3::new(sine * azimuth.y, cosine, -sine * azimuth.x)
 }
 
 /// Mean radiance over the sphere of a map of longitude and latitude that is interpolated between the centers of its texels.
@@ -119,10 +131,8 @@ mod tests {
         assert!((sphere_mean(&map) - DVec3::new(1.0, 1.0, 1.0 / 3.0)).length() < 2e-3, "{}", sphere_mean(&map));
         for (index, texel) in map.texels.iter().enumerate() {
             let (column, row) = (index % map.width, index / map.width);
-            let azimuth = (column as f64 + 0.5) / map.width as f64 * TAU;
-            let (sine, cosine) = (row as f64 / (map.height - 1) as f64 * PI).sin_cos();
             // The direction in the map's space, and then in pbrt's.
-            let d = DVec3::new(sine * azimuth.sin(), cosine, -sine * azimuth.cos());
+            let d = direction_of_texel(column, row, map.width, map.height);
             let expected = function(DVec3::new(d.x, -d.z, d.y));
             assert!((*texel - expected).length() < 0.08, "{index}: {texel} is not {expected}");
         }

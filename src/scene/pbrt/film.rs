@@ -26,8 +26,11 @@ pub(super) struct Film {
 impl Film {
     /// Reads the film of a scene and its filter.
     pub fn read(world: &World, warnings: &mut Vec<String>) -> Result<Self> {
-        let filter =
-            world.filter.as_ref().map(|filter| rfilter(filter, warnings)).transpose()?.unwrap_or_else(|| gaussian(0.5));
+        let default = || match world.has_old_film {
+            true => object(Kind::Rfilter, "box", []),
+            false => gaussian(0.5),
+        };
+        let filter = world.filter.as_ref().map(|filter| rfilter(filter, warnings)).transpose()?.unwrap_or_else(default);
         let mut film = match &world.film {
             Some(entity) => film(entity, warnings)?,
             None => {
@@ -63,8 +66,6 @@ fn film(entity: &Entity, warnings: &mut Vec<String>) -> Result<Film> {
     parameters.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue", "coordinatesystem"]);
     match entity.kind.as_str() {
         "rgb" | "gbuffer" => {}
-        // pbrt-v3's name of an RGB film.
-        "image" => {}
         "spectral" => {
             parameters.ignore(&["nbuckets", "lambdamin", "lambdamax"]);
             warnings.push(format!("{}: the film `spectral` is read as `rgb`", parameters.place));

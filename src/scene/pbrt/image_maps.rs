@@ -16,6 +16,9 @@ use super::world::Entity;
 use crate::Result;
 use crate::image::texels::{self, FileTexels};
 
+/// Wrap mode of images that are black beyond their border.
+pub(super) const BLACK: &str = "black";
+
 /// Reads an `imagemap`.
 pub(super) fn read(images: &mut Images, entity: &Entity, is_number: bool) -> Result<Node> {
     let parameters = &entity.parameters;
@@ -35,11 +38,13 @@ pub(super) fn read(images: &mut Images, entity: &Entity, is_number: bool) -> Res
     };
     let wrap = match parameters.text("wrap")?.unwrap_or("repeat") {
         "repeat" => "repeat",
-        "clamp" => "clamp",
+        // Beyond the image, the texture is black by another part of it.
+        "clamp" | BLACK => "clamp",
         other => {
-            return Err(
-                entity.error(format!("the wrap mode `{}` is not supported; use `repeat` or `clamp`", brief(other)))
-            );
+            return Err(entity.error(format!(
+                "the wrap mode `{}` is not supported; use `repeat`, `clamp` or `black`",
+                brief(other)
+            )));
         }
     };
     let (factor, is_inverted) = (parameters.number("scale", 1.0)?, parameters.boolean("invert", false)?);

@@ -24,21 +24,6 @@ use crate::scene::faults;
 /// Deepest nesting of mixed materials.
 const MAX_DEPTH: usize = 16;
 
-/// Materials of pbrt-v3, which v4 does not know.
-const OLD: [&str; 11] = [
-    "matte",
-    "plastic",
-    "metal",
-    "glass",
-    "mirror",
-    "uber",
-    "substrate",
-    "translucent",
-    "disney",
-    "fourier",
-    "kdsubsurface",
-];
-
 /// BSDF of a shape.
 #[derive(Debug, Clone)]
 pub(super) struct Cover {
@@ -137,6 +122,7 @@ impl<'l> Materials<'l> {
             _ => bsdf(&mut maker)?,
         };
         let bsdf = with_relief(&mut maker, bsdf)?;
+        let bsdf = with_opacity(&mut maker, bsdf)?;
         let is_textured = maker.is_textured;
         let place = &entity.parameters.place;
         let (what, wanted) = match name {
@@ -202,9 +188,7 @@ fn bsdf(maker: &mut Maker) -> Result<Object> {
         other @ ("hair" | "measured" | "subsurface") => {
             Err(entity.error(format!("the material `{other}` is not supported; use another one")))
         }
-        other if OLD.contains(&other) => Err(entity.error(format!(
-            "the material `{other}` belongs to pbrt-v3; `pbrt --upgrade` makes a file of v4, which is read"
-        ))),
+        "fourier" => Err(entity.error("the material `fourier` of pbrt-v3 is not supported; use another one")),
         other => Err(entity.error(format!("the material `{}` is not known; check its spelling", brief(other)))),
     }
 }
@@ -235,6 +219,20 @@ fn mixture(maker: &mut Maker, [first, second]: &[Cover; 2]) -> Result<Object> {
         "blendbsdf",
         [("weight", maker.number(&amount)?), ("first", part(first)), ("second", part(second))],
     ))
+}
+
+/// The BSDF within a mask, where the file gives the opacity of a v3's `uber`.
+fn with_opacity(maker: &mut Maker, bsdf: Object) -> Result<Object> {
+    let entity = maker.entity;
+    if !entity.parameters.has("opacity") {
+        return Ok(bsdf);
+    }
+    let opacity = match maker.textures.color(&entity.parameters, entity, "opacity", 1.0)? {
+        Node::Constant([1.0, 1.0, 1.0]) => return Ok(bsdf),
+        Node::Constant(color) => Node::Constant([color.iter().sum::<f64>() / 3.0; 3]),
+        node => node,
+    };
+    Ok(object(Kind::Bsdf, "mask", [("opacity", maker.number(&opacity)?), ("surface", nested(bsdf))]))
 }
 
 /// The BSDF with a normal map or a displacement around it.

@@ -30,6 +30,7 @@ mod metals;
 mod named_spectra;
 mod names;
 mod nodes;
+mod old_files;
 mod parameters;
 mod procedural;
 mod quadrics;

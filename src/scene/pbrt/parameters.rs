@@ -102,6 +102,46 @@ impl Parameters {
         Self { defaults: Rc::clone(defaults), ..self }
     }
 
+    /// Number of the directive's own parameters.
+    pub fn count(&self) -> usize {
+        self.own.len()
+    }
+
+    /// Takes one of the directive's own parameters away.
+    pub fn remove(&mut self, name: &str) -> Option<Parameter> {
+        let at = self.own.iter().position(|(parameter, _)| parameter.name == name)?;
+        Some(self.own.remove(at).0)
+    }
+
+    /// Gives one of the directive's own parameters another name. Returns whether it is there.
+    pub fn rename(&mut self, old: &str, new: &str) -> bool {
+        let found = self.remove(old);
+        let is_there = found.is_some();
+        if let Some(parameter) = found {
+            self.set(&parameter.kind, new, parameter.values);
+        }
+        is_there
+    }
+
+    /// Sets a parameter, at the place of the directive.
+    pub fn set(&mut self, kind: &str, name: &str, values: Values) {
+        self.remove(name);
+        let parameter = Parameter { kind: kind.to_owned(), name: name.to_owned(), values, place: self.place.clone() };
+        self.own.push((parameter, Cell::new(false)));
+    }
+
+    /// Sets a parameter that is not given.
+    pub fn default(&mut self, kind: &str, name: &str, values: Values) {
+        if !self.has(name) {
+            self.set(kind, name, values);
+        }
+    }
+
+    /// Whether the parameter is given by a texture.
+    pub fn is_texture(&self, name: &str) -> bool {
+        self.get(name).is_some_and(|parameter| parameter.kind == "texture")
+    }
+
     /// The parameters alone, which many directives can share.
     pub fn into_list(self) -> Vec<Rc<Parameter>> {
         self.own.into_iter().map(|(parameter, _)| Rc::new(parameter)).collect()

@@ -63,7 +63,8 @@ impl<'l> Shapes<'l> {
             && alpha.kind == "float"
             && alpha.number()? == 0.0
         {
-            return Err(alpha.error("of 0 makes a light that is not seen, which is not supported; remove it"));
+            let message = "a light with an `alpha` of 0 lights the scene, but is seen by the camera and in mirrors; pbrt's is not";
+            textures.images.warn(&alpha.place, message);
         }
         let light = light.map(|light| AreaLight::read(&light, self.exposure, textures)).transpose()?;
         let is_textured = cover.is_textured || light.as_ref().is_some_and(AreaLight::is_textured);

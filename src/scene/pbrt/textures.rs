@@ -178,9 +178,13 @@ impl<'a> Textures<'a> {
             }
             "imagemap" => {
                 let node = image_maps::read(&mut self.images, entity, is_number)?;
-                match mappings::of_position(entity)? {
-                    None => Ok(node),
-                    Some(coordinates) => self.placed(node, coordinates, entity),
+                let node = match mappings::of_position(entity)? {
+                    None => node,
+                    Some(coordinates) => self.placed(node, coordinates, entity)?,
+                };
+                match parameters.text("wrap")? {
+                    Some(image_maps::BLACK) => self.bordered(&node, entity),
+                    _ => Ok(node),
                 }
             }
             "marble" if !is_number => {

@@ -91,6 +91,8 @@ pub(super) struct World {
     pub moves: bool,
     pub camera: Option<Entity>,
     pub film: Option<Entity>,
+    /// Whether the film is one of pbrt-v3, whose filter is a box where none is given.
+    pub has_old_film: bool,
     pub filter: Option<Entity>,
     pub sampler: Option<Entity>,
     pub integrator: Option<Entity>,

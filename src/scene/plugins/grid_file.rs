@@ -63,6 +63,8 @@ mod tests {
         let grid = read(&file([1.0, 2.5])).expect("a grid");
         assert_eq!((grid.size.to_array(), grid.has_colors, &grid.values[..]), ([2, 1, 1], false, &[1.0, 2.5][..]));
         assert_eq!(grid.corners[1].to_array(), [2.0, 1.0, 1.0]);
+        let rounded = read(&file([1.0, -1.0e-8])).expect("a grid");
+        assert_eq!(rounded.values[..], [1.0, 0.0]);
     }
 
     #[test]

@@ -39,7 +39,7 @@ use crate::scene::{
     Primitive, Scene,
 };
 use crate::scene::{texel_pages, whole};
-use crate::{Error, Result};
+use crate::{Error, Result, files};
 
 /// Callback for the progress of reading a scene.
 pub(in crate::scene) type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
@@ -397,7 +397,9 @@ impl<'a> Builder<'a> {
         let first_image = images.len();
         let (mut textures, requests) = self.textures.finish();
         let shapes = shown_shapes(&self.items, &self.groups);
-        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(&shapes, progress));
+        let attributes = vertex_colors::attributes(&textures);
+        let read_meshes = || read_meshes(&shapes, &attributes, progress);
+        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), read_meshes);
         let Decoded { images: decoded, indices, warnings, faults } = decoded;
         let (mut meshes, of_meshes) = meshes;
         let given = self.scope.meshes.iter().enumerate();
@@ -475,6 +477,7 @@ impl<'a> Builder<'a> {
             textures,
             images,
             warnings: self.warnings,
+            is_photometric: ["gltf", "glb"].iter().any(|extension| files::has_extension(path, extension)),
         })
     }
 }
@@ -495,8 +498,13 @@ fn shown_shapes<'s>(items: &'s [Item], groups: &'s [Vec<Shape>]) -> Vec<&'s Shap
     shapes.collect()
 }
 
-/// Reads every mesh once, in parallel. Returns the faults of files in the order of the scene.
-fn read_meshes(shapes: &[&Shape], progress: &Watch) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
+/// Reads every mesh once, in parallel, with those of the `attributes` that it has. Returns the faults of files in the order of the scene.
+fn read_meshes(
+    shapes: &[&Shape],
+    attributes: &[String],
+    progress: &Watch,
+) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
+    let attributes: Vec<&str> = attributes.iter().map(String::as_str).collect();
     let files = shapes.iter().filter_map(|shape| match &shape.geometry {
         Geometry::Mesh(file, _) if !file.is_in_memory() => Some(file),
         _ => None,
@@ -507,7 +515,7 @@ fn read_meshes(shapes: &[&Shape], progress: &Watch) -> (HashMap<MeshFile, Arc<Me
     files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
     let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
     let read = |(place, file): (usize, &MeshFile)| {
-        let mesh = mesh::read(&file.path, file.format);
+        let mesh = mesh::read(&file.path, file.format, &attributes);
         progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
         (place, mesh.map(|mesh| (file.clone(), Arc::new(mesh))))
     };
@@ -553,15 +561,18 @@ fn flatten_all(
 
 /// Refuses scenes larger than any device could hold, before memory is allocated.
 fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result<()> {
+    let count = |shape: &Shape| match &shape.geometry {
+        Geometry::Mesh(..) | Geometry::Cylinder => shape::primitive_count(shape, meshes),
+        _ => 0,
+    };
     let mut triangles = 0;
     for shape in shapes {
-        triangles += match &shape.geometry {
-            Geometry::Mesh(..) | Geometry::Cylinder => shape::primitive_count(shape, meshes),
-            _ => 0,
-        };
+        triangles += count(shape);
         if triangles > MAX_TRIANGLES {
-            let message =
-                format!("with this shape the scene has {triangles} triangles; no more than {MAX_TRIANGLES} fit");
+            let all: usize = shapes.iter().map(count).sum();
+            let message = format!(
+                "with this shape the scene has {triangles} triangles, and {all} with all shapes; no more than {MAX_TRIANGLES} fit"
+            );
             return Err(shape.origin.error(message));
         }
     }

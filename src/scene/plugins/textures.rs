@@ -12,16 +12,18 @@ use super::role::Role;
 use super::scope::Scope;
 use super::texture_parameters::{checkerboard, filter, is_raw, raw_constant, to_uv, wrap_mode};
 use crate::Result;
+use crate::quoted;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::description::origin::Origin;
 use crate::scene::folders::FoundFile;
+use crate::scene::mesh::VERTEX_COLOR;
 use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
 const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
 
 /// Index of the image of vertex colors among the images read: it is made when all meshes are read.
-const VERTEX_COLORS: u32 = u32::MAX;
+pub(super) const VERTEX_COLORS: u32 = u32::MAX;
 
 /// Deepest nesting of textures. Deeper nesting comes from a texture that refers to itself.
 const MAX_DEPTH: usize = 16;
@@ -215,20 +217,21 @@ impl<'a> Textures<'a> {
     ) -> Result<TextureUse> {
         let object = properties.owner();
         let location = properties.location("name");
-        match properties.string("name")? {
-            Some("vertex_color") => {}
+        let name = match properties.string("name")? {
+            Some(name) if ["vertex_", "face_"].iter().any(|kind| name.starts_with(kind)) => name.to_owned(),
             Some(name) => {
-                return Err(location.error(format!("the attribute `{name}` is not supported; use `vertex_color`")));
+                let name = quoted::word(name);
+                return Err(location.error(format!("the attribute {name} should begin with `vertex_` or `face_`")));
             }
             None => return Err(object.error("texture plugin `mesh_attribute` needs its parameter `name`")),
-        }
-        if !matches!(role, Role::Reflectance | Role::Radiance) {
+        };
+        if name == VERTEX_COLOR && !matches!(role, Role::Reflectance | Role::Radiance) {
             return Err(object.error("the attribute `vertex_color` is a color, not a number"));
         }
         let factor = Vec3::splat(properties.float("scale")?.unwrap_or(1.0));
         properties.finish(warnings)?;
         let pattern = Pattern::Bitmap { image: VERTEX_COLORS, filter: TexelFilter::Bilinear, wrap: WrapMode::Clamp };
-        self.read.push(Texture { name: "vertex_color".to_string(), pattern, to_uv: Mat3::IDENTITY });
+        self.read.push(Texture { name, pattern, to_uv: Mat3::IDENTITY });
         Ok(TextureUse { texture: self.read.len() as u32 - 1, factor })
     }
 

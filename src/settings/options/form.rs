@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::duration::seconds;
 use crate::files;
+use crate::image::Exposure;
 use crate::scene::Crop;
 use crate::settings::UNLIMITED_DEPTH;
 
@@ -37,8 +38,10 @@ impl Form {
     pub const COUNT: Self = Self::Text { check: |text| whole(text, 1), python: "int" };
     /// A number above 0.
     pub const ABOVE_ZERO: Self = Self::Text { check: |text| positive(text).map(drop), python: "float" };
-    /// A number that is no infinity.
-    pub const FINITE: Self = Self::Text { check: |text| finite(text).map(drop), python: "float" };
+    /// An exposure.
+    pub const EXPOSURE: Self = Self::Text { check: |text| exposure(text).map(drop), python: "float | str" };
+    /// A moment in seconds, which may depend on the frame.
+    pub const MOMENT: Self = Self::Text { check: moment, python: "str" };
     /// Milliseconds above 0.
     pub const MILLISECONDS: Self = Self::Text { check: |text| milliseconds(text).map(drop), python: "float" };
     /// A duration.
@@ -112,6 +115,24 @@ pub fn depth(text: &str) -> Result<u32, String> {
 /// A request for one.
 pub fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
+}
+
+/// Exposure in stops, or an automatic one.
+///
+/// # Errors
+/// A request for one.
+pub fn exposure(text: &str) -> Result<Exposure, String> {
+    match text {
+        "auto" => Ok(Exposure::Auto),
+        number => finite(number).map(Exposure::Stops).map_err(|_| "give a finite number of stops, or auto".into()),
+    }
+}
+
+/// Checks a moment: a number of seconds, or a term of the frame's number.
+fn moment(text: &str) -> Result<(), String> {
+    let is_number = text.trim().parse().is_ok_and(|number: f64| number.is_finite());
+    let request = || "give a number of seconds, or, with --frames, a term such as '$frame/24'".into();
+    (is_number || text.contains("$frame")).then_some(()).ok_or_else(request)
 }
 
 /// Number above 0.

@@ -25,7 +25,7 @@ const OTHER_NAMES: &[OtherNames] = &[
     other(&["guide-from"], "guide", "the guide that the render begins with"),
     other(&["out", "outfile", "output-file", "filename"], "output", "the picture's file"),
     other(&["denoiser", "oidn-denoise"], "denoise", "that the picture is denoised"),
-    other(&["gpu", "gpus", "cpu", "backend", "variant"], "device", "the device; `lodestar devices` lists them"),
+    other(&["gpu", "gpus", "cpu", "backend"], "device", "the device; `lodestar devices` lists them"),
     other(&["interactive", "gui", "preview", "display"], "view", "that a browser shows the render"),
     other(
         &["threads", "nthreads", "num-threads", "jobs"],

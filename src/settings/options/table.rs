@@ -154,6 +154,23 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Scene, "camera", "fit|all|NAME|INDEX")
     },
     OptionEntry {
+        short: "Moment of a glTF model's animation",
+        long: "The first animation is shown at that time in seconds. With --frames, $frame stands for the frame's number, as in '$frame/24'. It is \
+               short for -D time=SECONDS.",
+        default: "no animation",
+        form: Form::MOMENT,
+        keyword: Keyword::Nowhere,
+        ..further(Scene, "scene-time", "SECONDS")
+    },
+    OptionEntry {
+        short: "Variant of a glTF model's materials",
+        long: "A model may name variants of its materials. It is short for -D variant=NAME.",
+        default: "the model's default",
+        form: Form::TEXT,
+        keyword: Keyword::Nowhere,
+        ..further(Scene, "variant", "NAME")
+    },
+    OptionEntry {
         short: "Environment in place of the scene's",
         long: "`constant` has the radiance 1 in all directions. An image (.exr, .hdr) covers the sphere as an `envmap` does, with \
                +y up.",
@@ -222,10 +239,11 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Exposure of PNG files: brighter by 2^STOPS",
-        default: "0",
-        form: Form::FINITE,
+        long: "`auto` makes 95 % of the pixels that show a surface darker than 0.8. The stops are printed. EXR files keep their values.",
+        default: "auto for glTF models, otherwise 0",
+        form: Form::EXPOSURE,
         resume: Resume::Kept,
-        ..of_files(Everyone, "exposure", "STOPS")
+        ..of_files(Everyone, "exposure", "STOPS|auto")
     },
     OptionEntry {
         short: "Write the colors of EXR files as 16-bit floats",

@@ -103,6 +103,11 @@ fn mappings() {
     close(color(&cylinder, at([0.0; 2], [0.0, -1.0, 0.7])), [1.0, 0.0, 0.0]);
     close(color(&cylinder, at([0.0; 2], [0.0, 1.0, 0.7])), [0.0, 1.0, 0.0]);
     close(color(&cylinder, at([0.0; 2], [0.0, -1.0, 0.2])), [0.0, 0.0, 1.0]);
+    let black = image("\"string wrap\" \"black\"");
+    close(color(&black, at([0.2, 0.8], [0.0; 3])), [1.0, 0.0, 0.0]);
+    for outside in [[1.2, 0.8], [-0.2, 0.8], [0.2, 1.2], [0.2, -0.2]] {
+        close(color(&black, at(outside, [0.0; 3])), [0.0; 3]);
+    }
 }
 
 #[test]

@@ -53,6 +53,26 @@ Shape "sphere" "float radius" 3 AttributeEnd
 Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 4 5 6 1 ] Shape "disk"
 "#;
 
+/// A scene of pbrt-v3.
+const OLD: &str = r#"Film "image" "float scale" 2 PixelFilter "gaussian" "float xwidth" 2 "float ywidth" 2 "float alpha" 2
+Integrator "directlighting" Camera "perspective" "float halffov" 20
+WorldBegin
+LightSource "infinite" "string mapname" "sky.pfm" "rgb L" [ 1 2 3 ] "integer samples" 4
+LightSource "infinite" "string filename" "sky.pfm" "rgb scale" [ 2 2 2 ]
+LightSource "point" "blackbody I" [ 4000 3 ]
+ColorSpace "aces2065-1"
+Texture "a" "color" "imagemap" "string filename" "a.png" "bool trilinear" "true" "float gamma" 2.2
+Texture "b" "color" "scale" "texture tex1" "a" "rgb tex2" [ 0.5 0.5 0.5 ]
+Material "plastic" "texture Kd" "b" "float roughness" 0.1 AttributeBegin AreaLightSource "area" "integer nsamples" 3
+Shape "trianglemesh" "point P" [ 0 0 0 1 0 0 0 1 0 ] "float st" [ 0 0 1 0 0 1 ] "float alpha" 0 AttributeEnd
+Material "uber" "color opacity" [ 0.5 0.5 0.5 ] "float index" 1.3 Shape "sphere"
+Material "translucent" "texture Kd" "b" "rgb reflect" [ 0.2 0.2 0.2 ] Shape "sphere" "float radius" 2
+MakeNamedMaterial "m" "string type" "mirror" MakeNamedMaterial "n" "string type" "glass" "float uroughness" 0.2
+Material "mix" "string namedmaterial1" "m" "string namedmaterial2" "n" "rgb amount" [ 0.2 0.2 0.2 ]
+Shape "loopsubdiv" "integer nlevels" 1 "point P" [ 0 0 0 1 0 0 0 1 0 ] "integer indices" [ 0 1 2 ]
+WorldEnd
+"#;
+
 const PART: &str = "Material \"thindielectric\" ConcatTransform [ 1 0 0 0 0 2 0 0 0 0 1 0 4 5 6 1 ] Shape \"sphere\"\n";
 
 const SPECTRUM: &str = "# a comment\n400 1.5\n500 2 600 3\n";
@@ -88,7 +108,7 @@ fn outcome(folder: &Folder) -> Result<(), TestCaseError> {
 
 #[test]
 fn scenes() {
-    let scenes = [BOX, MATERIALS, LIGHTS].map(|scene| mangled(scene.into()).boxed());
+    let scenes = [BOX, MATERIALS, LIGHTS, OLD].map(|scene| mangled(scene.into()).boxed());
     fuzz(Union::new(scenes), |scene| outcome(&folder(&scene)));
 }
 
@@ -119,7 +139,7 @@ fn files_that_scenes_name() {
 /// Scenes converted to Mitsuba's format, with all their files, are the same scenes.
 #[test]
 fn conversions_keep_everything() {
-    for text in [BOX, MATERIALS, LIGHTS] {
+    for text in [BOX, MATERIALS, LIGHTS, OLD] {
         let folder = folder(text.as_bytes());
         let output = folder.path("out.xml");
         convert(&folder.path("scene.pbrt"), &[], &output, false).unwrap();

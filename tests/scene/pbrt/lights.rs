@@ -253,8 +253,25 @@ fn infinite_lights_add_up() {
     let EnvironmentKind::Map { scale, .. } = scene.environment.as_ref().unwrap().kind else { panic!("a map") };
     let lodestar::scene::texture::Texels::Floats(texels) = &scene.images[0].texels else { panic!("floats") };
     assert!(texels.iter().all(|texel| (scale * texel[0] - 21.0).abs() < 1e-3), "{scale} x {:?}", texels[0]);
-    folder.write("scene.pbrt", format!("WorldBegin {map} Rotate 30 0 0 1 {more}").as_bytes());
-    assert!(load_in(&folder).unwrap_err().contains("another size or place"));
+    // Two maps in other places, of other sizes.
+    let image = Image { width: 16, height: 16, pixels: vec![[2.0; 3]; 256] };
+    folder.write("large.exr", &encode_rgb(std::path::Path::new("large.exr"), &image).unwrap());
+    let more = more.replace("sky.exr", "large.exr");
+    folder.write("scene.pbrt", format!("Camera \"perspective\" WorldBegin {map} Rotate 30 0 0 1 {more}").as_bytes());
+    let scene = load_in(&folder).unwrap();
+    let EnvironmentKind::Map { scale, .. } = scene.environment.as_ref().unwrap().kind else { panic!("a map") };
+    let lodestar::scene::texture::Texels::Floats(texels) = &scene.images[0].texels else { panic!("floats") };
+    assert!(texels.iter().all(|texel| (scale * texel[0] - 16.0).abs() < 1e-3), "{scale} x {:?}", texels[0]);
+}
+
+/// A light whose alpha is 0 shines, and lets light pass.
+#[test]
+fn lights_with_an_alpha_of_0_shine() {
+    let scene = world("AreaLightSource \"diffuse\" \"rgb L\" [ 1 2 3 ] Shape \"sphere\" \"float alpha\" 0").unwrap();
+    assert_eq!(super::surface(&scene).opacity.value, 0.0);
+    assert_eq!(scene.emitters[scene.primitives[0].emitter.unwrap() as usize].radiance.value, Vec3::new(1.0, 2.0, 3.0));
+    let sentence = "a light with an `alpha` of 0 lights the scene, but is seen by the camera and in mirrors";
+    assert!(scene.warnings.iter().any(|warning| warning.contains(sentence)), "{:?}", scene.warnings);
 }
 
 /// A portal helps pbrt find the light, which stays the same.
@@ -273,8 +290,7 @@ fn what_is_refused() {
     for (text, expected) in [
         ("LightSource \"goniometric\"", "the light `goniometric` is not supported"),
         ("LightSource \"projection\"", "the light `projection` is not supported"),
-        ("LightSource \"infinite\" \"string mapname\" \"sky.exr\"", "`mapname` belongs to pbrt-v3"),
-        ("AreaLightSource \"diffuse\" Shape \"disk\" \"float alpha\" 0", "makes a light that is not seen"),
+        ("LightSource \"infinite\" \"string mapname\" \"sky.exr\"", "the image file `sky.exr` does not exist"),
         ("LightSource \"infinite\" \"string filename\" \"none.exr\"", "the image file `none.exr` does not exist"),
         ("LightSource \"point\" \"rgb I\" [ 1 -2 3 ]", "must not be negative"),
         ("LightSource \"point\" \"spectrum I\" [ 500 1 400 2 ]", "wavelengths that do not increase"),

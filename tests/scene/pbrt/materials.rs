@@ -36,7 +36,10 @@ fn colors_become_srgb() {
     let scene = with("ColorSpace \"rec2020\" Material \"diffuse\" \"rgb reflectance\" [ 0.2 0.5 0.3 ]");
     let Bsdf::Diffuse { reflectance } = bsdf(&scene) else { panic!("diffuse") };
     assert!((reflectance.value - Vec3::new(0.01641, 0.53904, 0.28167)).length() < 1e-3, "{reflectance:?}");
-    refused("ColorSpace \"aces2065-1\"", "the color space `aces2065-1` is not supported");
+    let scene = with("ColorSpace \"aces2065-1\" Material \"diffuse\" \"rgb reflectance\" [ 0.5 0.5 0.5 ]");
+    let Bsdf::Diffuse { reflectance } = bsdf(&scene) else { panic!("diffuse") };
+    assert!((reflectance.value - Vec3::splat(0.5)).length() < 1e-3, "{reflectance:?}");
+    refused("ColorSpace \"aces\"", "the color space `aces` is not known");
 }
 
 /// Roughness is remapped by a square root, and below 0.001 a surface is smooth.
@@ -137,7 +140,7 @@ fn what_is_refused() {
     refused("Material \"measured\" \"string filename\" \"a.bsdf\"", "the material `measured` is not supported");
     refused("Material \"subsurface\"", "the material `subsurface` is not supported");
     refused("Material \"hair\"", "the material `hair` is not supported");
-    refused("Material \"matte\" \"rgb Kd\" [ 1 1 1 ]", "the material `matte` belongs to pbrt-v3; `pbrt --upgrade`");
+    refused("Material \"fourier\"", "the material `fourier` of pbrt-v3 is not supported");
     refused("Material \"wrong\"", "the material `wrong` is not known");
     refused("NamedMaterial \"none\"", "the material `none` is not defined");
     refused("Material \"diffuse\" \"texture reflectance\" \"none\"", "the texture `none`");

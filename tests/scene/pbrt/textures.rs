@@ -194,7 +194,7 @@ fn what_is_refused() {
         (of("fbm"), "the texture `fbm` gives a `float`, not a `spectrum`"),
         (of("wrong"), "the texture `wrong` is not supported"),
         (image_map("\"string mapping\" \"conical\""), "the mapping `conical` is not known"),
-        (image_map("\"string wrap\" \"black\""), "the wrap mode `black` is not supported"),
+        (image_map("\"string wrap\" \"octahedralsphere\""), "the wrap mode `octahedralsphere` is not supported"),
         (image_map("\"string encoding\" \"wrong\""), "the encoding `wrong` is not known"),
         (format!("Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\" {DIFFUSE}"), "no texture of that name"),
         (format!("Texture \"t\" \"float\" \"constant\" {DIFFUSE}"), "gives a `spectrum` stands before"),

@@ -33,6 +33,9 @@ use tree::Tree;
 /// Plugins that contain other BSDFs.
 const MODIFIERS: [&str; 7] = ["twosided", "mask", "blendbsdf", "mixturebsdf", "bumpmap", "normalmap", "coating"];
 
+/// Elements that act on the polarization of light, with the share of unpolarized light that they transmit.
+const POLARIZING: [(&str, f32); 3] = [("polarizer", 0.5), ("circular", 0.5), ("retarder", 1.0)];
+
 /// Most textures of a material, which is the number of links in its record.
 const MAX_TEXTURES: usize = constants::TEXTURE_LINKS as usize;
 /// Most surfaces of a material. Nested blends of the same few materials may multiply.
@@ -44,7 +47,11 @@ const MAX_DEPTH: usize = 64;
 
 /// Whether a plugin is a BSDF that this reader knows.
 pub(super) fn is_known(plugin: &str) -> bool {
-    plugin == "null" || MODIFIERS.contains(&plugin) || surfaces::READERS.iter().any(|(name, _)| *name == plugin)
+    let is_polarizing = POLARIZING.iter().any(|(name, _)| *name == plugin);
+    plugin == "null"
+        || is_polarizing
+        || MODIFIERS.contains(&plugin)
+        || surfaces::READERS.iter().any(|(name, _)| *name == plugin)
 }
 
 /// Materials of a scene while it is read. A material that no shape uses is read, but not kept.
@@ -233,15 +240,36 @@ fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
         "blendbsdf" => Ok(blend(parameters, parts)?),
         "mixturebsdf" => Ok(mixture::mixture(parameters, parts)?),
         "null" => Ok(Tree::null()),
+        "polarizer" | "circular" | "retarder" => Ok(polarizing(parameters)?),
         "bumpmap" => one(parts)?.with_relief(bump_map(parameters)?),
         "normalmap" => one(parts)?.with_relief(normal_map(parameters)?),
         "coating" => one(parts)?.coated(coating(parameters)?),
         _ => {
             let supported: Vec<_> = surfaces::READERS.iter().map(|(name, _)| *name).collect();
-            return Err(object.unsupported(&[&supported[..], &["null"], &MODIFIERS].concat()));
+            let polarizing = POLARIZING.map(|(name, _)| name);
+            return Err(object.unsupported(&[&supported[..], &["null"], &MODIFIERS, &polarizing].concat()));
         }
     };
     result.map_err(|message| object.error(message))
+}
+
+/// Reads an element that acts on polarization. As in Mitsuba's variants without polarization, it takes its share of the light.
+fn polarizing(parameters: &mut Parameters) -> Result<Tree> {
+    let object = parameters.owner();
+    let plugin = &*object.plugin;
+    parameters.properties.ignore(&["theta", "delta", "polarizing", "left_handed"]);
+    if let Some(texture) = parameters.properties.texture("transmittance")? {
+        return Err(texture.error(format!("the `transmittance` of a `{plugin}` must be a number, not a texture")));
+    }
+    let transmittance = parameters.constant_reflectance("transmittance", 1.0)?;
+    if transmittance != Vec3::splat(transmittance.x) {
+        return Err(object.error(format!("the `transmittance` of a `{plugin}` must be the same for all colors")));
+    }
+    let share = POLARIZING.iter().find(|(name, _)| *name == plugin).map_or(1.0, |(_, share)| *share);
+    let message =
+        format!("bsdf plugin `{plugin}` acts on intensity alone, as in Mitsuba's variants without polarization");
+    parameters.warnings.push(format!("{}: {message}", object.origin));
+    Ok(Tree::sheet(share * transmittance.x))
 }
 
 fn blend(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {

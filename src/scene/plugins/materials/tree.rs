@@ -23,8 +23,14 @@ pub(super) enum Tree {
 impl Tree {
     /// `null`: the surface lets all light pass, as a `mask` of opacity 0.
     pub fn null() -> Self {
+        Self::sheet(1.0)
+    }
+
+    /// Sheet that lets this share of light go straight on and absorbs the rest.
+    pub fn sheet(transmitted: f32) -> Self {
         let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
-        Self::Surface(SurfaceMaterial { opacity: Textured::constant(0.0), ..SurfaceMaterial::plain(black) })
+        let opacity = Textured::constant(1.0 - transmitted);
+        Self::Surface(SurfaceMaterial { opacity, ..SurfaceMaterial::plain(black) })
     }
 
     /// Changes every surface. The error says why one cannot be changed.
