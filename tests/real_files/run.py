@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
-"""Renders real Mitsuba and pbrt-v4 files that nobody of this project wrote, and says what became of each.
+"""Renders real Mitsuba, pbrt-v4 and glTF files that nobody of this project wrote, and says what became of each.
 
     tests/real_files/run.py LODESTAR [--only TEXT] [--mitsuba] [--jobs N]
 
 LODESTAR_REAL_FILES names the folder of the files; without it, nothing is done. No file of others is in this project: list.tsv
-names repositories, commits and paths. A file lies at OWNER+REPOSITORY/PATH below the folder. XML and pbrt files that the list does
-not name are tried, too.
+names repositories, commits and paths. A file lies at OWNER+REPOSITORY/PATH below the folder. Files that the list does not name are
+tried, too.
 
 Each file is rendered at one sample per pixel, 48 x 48 pixels. The outcomes:
   rendered   the picture was written
   refused    one sentence says why; where it is about a plugin, it names plugin, file and line
   absent     files that the scene names are not in the folder, and nothing else is at fault
-  fragment   the file is no whole scene: it lacks <scene> or every <shape>, WorldBegin or every Shape
+  fragment   the file is no whole scene: it lacks <scene> or every <shape>, WorldBegin or every Shape, or a model has no triangles
   wrong      with --mitsuba: the picture differs from Mitsuba's; or the listed outcome is another
   crashed    any other end, or none within two minutes
-The exit status is 1 where a file is wrong or crashed.
+A table of the outcomes by format, and of the reasons for refusals, ends the output. The exit status is 1 where a file is wrong or
+crashed.
 
 With --mitsuba (pip install mitsuba numpy), each rendered file that Mitsuba loads is rendered by both, twelve times with different
 seeds. The means of 4 x 4 blocks must agree: |z| < 5 for each block and color channel, or else with 24 other seeds."""
@@ -33,7 +34,17 @@ FOLDER = pathlib.Path(__file__).parent
 SIZE, BLOCKS, SEEDS, SAMPLES, LIMIT, SECONDS = 48, 4, 12, 32, 5.0, 120
 # Outcomes that the goal leaves out: what these words name is refused on purpose.
 OUT_OF_SCOPE = re.compile(r"<medium|<volume|MakeNamedMedium|polari|fourier|measured|transient|fluor|stokes|fmcw|tof|hair|sdfgrid|yan16|layered", re.I)
-ABSENT = re.compile(r"does not exist|git-lfs", re.I)
+ABSENT = re.compile(r"does not exist|git-lfs|cannot be read: No such file", re.I)
+# Models of points, of lines, of animations alone.
+EMPTY = "has neither triangles nor a camera"
+# Formats by the endings of names, and the marks that a whole text has.
+FORMATS = {
+    ".xml": ("Mitsuba", ["<scene", "<shape"]),
+    ".pbrt": ("pbrt", ["WorldBegin", "Shape"]),
+    ".gltf": ("glTF", []),
+    ".glb": ("glTF", []),
+}
+OUTCOMES = ["rendered", "refused", "absent", "fragment", "wrong", "crashed"]
 # Last line of a message that does not list all faults.
 MORE = re.compile(r"and \d+ more")
 WHERE = re.compile(r"^.*?[^\s:]:\d+: ")
@@ -52,8 +63,8 @@ def render(binary, path, out, *more):
 
 
 def outcome(binary, path):
-    text = path.read_text(encoding="utf8", errors="replace")
-    marks = ["WorldBegin", "Shape"] if path.suffix == ".pbrt" else ["<scene", "<shape"]
+    name, marks = FORMATS[path.suffix.lower()]
+    text = path.read_text(encoding="utf8", errors="replace") if marks else ""
     if any(mark not in text for mark in marks):
         return "fragment", ""
     with tempfile.TemporaryDirectory() as folder:
@@ -61,11 +72,11 @@ def outcome(binary, path):
             done = render(binary, path, f"{folder}/a.exr", "--spp", "1")
         except subprocess.TimeoutExpired:
             return "crashed", f"no end within {SECONDS} s"
-    return end_of(done.returncode, done.stderr)
+    return end_of(done.returncode, done.stderr, has_lines=name != "glTF")
 
 
-def end_of(status, stderr):
-    """Outcome by the exit status and what the program said, and the message.
+def end_of(status, stderr, has_lines=True):
+    """Outcome by the exit status and what the program said, and the message. Files of bytes have no lines.
 
     >>> end_of(1, "error: a.xml:3: the mesh file `a.obj` does not exist")[0]
     'absent'
@@ -80,6 +91,10 @@ def end_of(status, stderr):
     'absent'
     >>> end_of(101, "thread 'main' panicked")[0]
     'crashed'
+    >>> end_of(1, "error: a.glb: its scene has neither triangles nor a camera; points", has_lines=False)[0]
+    'fragment'
+    >>> end_of(1, "error: a.glb: it requires the extension ACME, which is not supported", has_lines=False)[0]
+    'refused'
     """
     lines = stderr.strip().splitlines()
     # Where a scene has several faults, a line for each follows the one that counts them.
@@ -94,10 +109,34 @@ def end_of(status, stderr):
     # A file that lacks a mesh, and is refused for another reason too, would be refused with the mesh as well.
     if not others:
         return "absent", message
-    unplaced = [fault for fault in others if not WHERE.search(fault)]
+    if EMPTY in message:
+        return "fragment", message
+    unplaced = [fault for fault in others if has_lines and not WHERE.search(fault)]
     if unplaced:
         return "crashed", f"the message names no line: {unplaced[0]}"
     return "refused", message
+
+
+def reason_of(message):
+    """Kind of a refusal: its first fault without places, names and numbers.
+
+    >>> reason_of("error: the scene has 2 faults: a/b.xml:3: bsdf plugin `hair` is not supported; use one of `x` c.xml:4: d")
+    'bsdf plugin `hair` is not supported'
+    >>> reason_of("error: a.pbrt:7: more than 1000 shapes")
+    'more than # shapes'
+    """
+    message = re.sub(r"^.*?error: (the scene has \d+ faults: )?", "", message)
+    message = re.sub(r"^\S+?\.(xml|pbrt|gltf|glb)(:\d+)?: ", "", message)
+    return re.sub(r"\d+", "#", message.split(";")[0])[:90]
+
+
+def print_table(tally, reasons):
+    """Prints the outcomes by format, and the commonest refusals."""
+    print(f"\n{'':10}" + "".join(f"{kind:>10}" for kind in OUTCOMES))
+    for name in sorted({name for name, _ in tally}):
+        print(f"{name:10}" + "".join(f"{tally[name, kind]:>10}" for kind in OUTCOMES))
+    for (name, reason), count in reasons.most_common(30):
+        print(f"{count:5}  {name}: {reason}")
 
 
 def block_means(picture):
@@ -183,9 +222,9 @@ def main():
     if not folder:
         print("skipped: LODESTAR_REAL_FILES names no folder of files")
         return 0
-    paths = [path for path in sorted(pathlib.Path(folder).rglob("*.*")) if path.suffix in (".xml", ".pbrt")]
+    paths = [path for path in sorted(pathlib.Path(folder).rglob("*.*")) if path.suffix.lower() in FORMATS]
     paths = [path for path in paths if arguments.only in str(path)]
-    listed, tally, in_scope = expected(), collections.Counter(), collections.Counter()
+    listed, tally, in_scope, reasons = expected(), collections.Counter(), collections.Counter(), collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         results = pool.map(lambda path: outcome(arguments.lodestar, path), paths)
         for path, (kind, message) in zip(paths, results):
@@ -193,17 +232,20 @@ def main():
             wanted = listed.get(name, kind)
             if wanted != kind and not (kind == "refused" and wanted in message):
                 kind, message = "wrong", f"{kind}, but `{wanted}` is listed. {message}"
-            elif kind == "rendered" and arguments.mitsuba:
+            elif kind == "rendered" and arguments.mitsuba and path.suffix == ".xml":
                 agrees, message = compare(arguments.lodestar, path)
                 kind = "wrong" if agrees is False else kind
-            tally[kind] += 1
-            if kind not in ("fragment", "absent") and not OUT_OF_SCOPE.search(path.read_text(errors="replace")):
+            of_format = FORMATS[path.suffix.lower()][0]
+            tally[of_format, kind] += 1
+            if kind == "refused":
+                reasons[of_format, reason_of(message)] += 1
+            if kind not in ("fragment", "absent") and of_format != "glTF" and not OUT_OF_SCOPE.search(path.read_text(errors="replace")):
                 in_scope[kind] += 1
             print(f"{kind:9} {name}  {message}".rstrip(), flush=True)
-    print(dict(tally))
+    print_table(tally, reasons)
     share = in_scope["rendered"] / max(sum(in_scope.values()), 1)
-    print(f"of the files with assets and without media, polarization or measured data: {dict(in_scope)}, {share:.3f} rendered")
-    return 1 if tally["wrong"] or tally["crashed"] else 0
+    print(f"of the texts with assets and without media, polarization or measured data: {dict(in_scope)}, {share:.3f} rendered")
+    return 1 if any(kind in ("wrong", "crashed") for _, kind in tally) else 0
 
 
 if __name__ == "__main__":
