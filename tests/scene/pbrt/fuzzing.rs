@@ -69,7 +69,6 @@ Material "uber" "color opacity" [ 0.5 0.5 0.5 ] "float index" 1.3 Shape "sphere"
 Material "translucent" "texture Kd" "b" "rgb reflect" [ 0.2 0.2 0.2 ] Shape "sphere" "float radius" 2
 MakeNamedMaterial "m" "string type" "mirror" MakeNamedMaterial "n" "string type" "glass" "float uroughness" 0.2
 Material "mix" "string namedmaterial1" "m" "string namedmaterial2" "n" "rgb amount" [ 0.2 0.2 0.2 ]
-Shape "loopsubdiv" "integer nlevels" 1 "point P" [ 0 0 0 1 0 0 0 1 0 ] "integer indices" [ 0 1 2 ]
 WorldEnd
 "#;
 
