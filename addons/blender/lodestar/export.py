@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import copy
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
 
-from . import camera, falloff, lights, materials, motion, unsupported, world, xml
+from . import camera, falloff, lights, materials, motion, unsupported, volumes, world, xml
+from .enclosures import Body, Box, Enclosures
+from .grids import Grids
 from .hashes import number_of_object
 from .images import Images
 from .instances import Shapes
 from .meshes import Meshes, Part, Wanted
-from .nodes import Placed, Surroundings
+from .nodes import Placed, Reader, Surroundings
 from .report import Report
+from .volumes import Volume
 
 SCENE_FILE = "scene.xml"
 # Objects without a surface. That of a curve, a text or a metaball is an instance of its own, of the type MESH.
@@ -65,6 +69,8 @@ class _Exporter:
         self.materials: dict[str, materials.Material] = {}
         self.parts: dict[Any, list[Part]] = {}
         self.shapes = Shapes()
+        self.enclosures = Enclosures(self.report)
+        self.grid_files: set[str] = set()
         self.emitters: list[xml.Element] = []
         # Lamps in view that the camera should not see, with their courses and emitters.
         self.visible_lamps: list[tuple[Any, xml.Course, list[xml.Element]]] = []
@@ -87,14 +93,22 @@ class _Exporter:
         for instance in self.depsgraph.object_instances:
             self._instance(instance)
         environment = world.export(self._world(scene), self.images, self.report)
+        self.enclosures.world = world.volume(self._world(scene), self.images, self.report)
+        self.enclosures.show()
+        around = self.enclosures.at(self.camera.matrix_world.translation, self.camera.name)
+        if around is not None:
+            xml.with_children(sensor, xml.ElementTree.Element("ref", {"id": around}))
         hides = self._hides_emitters(scene, environment)
-        integrator = xml.add(xml.plugin("integrator", "path"), "max_depth", self.options.max_depth)
+        media = self.enclosures.elements
+        integrator = xml.add(xml.plugin("integrator", "volpath" if media else "path"), "max_depth", self.options.max_depth)
+        if media and self.options.max_depth >= 0:
+            self.report.warn("scene", f"each scattering in a volume is one of the {self.options.max_depth} edges of a path")
         if hides:
             xml.add(integrator, "hide_emitters", True)
         root = xml.ElementTree.Element("scene", {"version": "3.0.0"})
         definitions = [self._definition(name) for name in self.materials]
         definitions = [*self.images.graph.elements(self.images.used_programs), *definitions]
-        xml.with_children(root, integrator, sensor, *definitions, *self.shapes.elements(), *self.emitters)
+        xml.with_children(root, *media, integrator, sensor, *definitions, *self.shapes.elements(), *self.emitters)
         if environment is not None:
             xml.with_children(root, environment)
         exposure = float(getattr(getattr(scene, "cycles", None), "film_exposure", 1.0))
@@ -110,7 +124,7 @@ class _Exporter:
             file.write(head)
             file.writelines(self.shapes.lines())
             file.write(end + rest)
-        files = self.meshes.used | self.images.used
+        files = self.meshes.used | self.images.used | self.grid_files
         _remove_unused(self.folder, files)
         return Export(path, self.report, camera.film(scene.render), self.meshes.written, files)
 
@@ -126,7 +140,9 @@ class _Exporter:
             course = self._course(instance)
             number = instance.random_id if instance.is_instance else number_of_object(owner.name)
             self._surface(Placed(owner, course.matrix, number), course)
-        elif owner.type not in INVISIBLE and owner.type != "MESH":
+        elif owner.type == "VOLUME" and self.layer.use_volumes:
+            self._volume(owner, instance.matrix_world.copy())
+        elif owner.type not in INVISIBLE and owner.type not in ("MESH", "VOLUME"):
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
         if any(system.settings.type == "HAIR" for system in getattr(owner, "particle_systems", [])):
             self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
@@ -168,7 +184,71 @@ class _Exporter:
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
         shown = tuple((file, keys[part.slot]) for part in self._mesh_parts(owner, keys) for file in part.files)
-        self.shapes.add(shown, course, lambda: [self._shape(file, key) for file, key in shown])
+        volume = self._volume_within(owner, keys)
+        region = self.enclosures.region(owner) if volume is not None else None
+        if region is None:
+            self.shapes.add((shown, ()), course, lambda: [self._shape(file, key) for file, key in shown])
+            return
+
+        def show(around: Volume) -> None:
+            sides = {key: self._sides(key, around, body) for _, key in shown}
+            media = tuple(tuple(side.items()) for _, key in shown for side in sides[key])
+            build = lambda: [xml.with_children(self._shape(f, k), *copy.deepcopy(sides[k])) for f, k in shown]  # noqa: E731
+            self.shapes.add((shown, media), course, build)
+
+        body = Body(owner.name, region, course.matrix, volume, show)
+        self.enclosures.bodies.append(body)
+
+    def _volume_within(self, owner: Any, keys: list[str]) -> Optional[Volume]:
+        """Volume of an object's materials; None where no side of its surfaces needs a medium."""
+        found = [volume for volume in (self.materials[key].volume for key in keys) if volume is not None and not volume.is_empty]
+        if not found:
+            return None
+        if any(modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN" for modifier in owner.modifiers):
+            message = "smoke of a fluid domain is not supported; its volume is left out. Export it as a .vdb file for a Volume object"
+            self.report.warn(f'object "{owner.name}"', message)
+            return None
+        return found[0]
+
+    def _sides(self, key: str, around: Volume, body: Body) -> list[xml.Element]:
+        """References to the media on the sides of a surface of a body."""
+        own = self.materials[key].volume
+        if own is None or own.is_empty:
+            return []
+        within = around.plus(own, lambda message: self.report.warn(f'object "{body.name}"', message))
+        return self.enclosures.sides(within, around, body.size)
+
+    def _volume(self, owner: Any, matrix: Any) -> None:
+        """Volume object: a box with the medium of its grids."""
+        from mathutils import Matrix, Vector
+
+        grids = Grids(owner, matrix, self.folder, self.grid_files, self.report)
+        if grids.box is None:
+            return
+        volume = self._volume_of_grids(owner, grids)
+        if owner.data.render.space == "OBJECT":
+            # As in Cycles, a larger object is less dense.
+            volume = volume.scaled(1.0 / max((matrix.to_3x3() @ Vector((1.0, 1.0, 1.0))).length / math.sqrt(3.0), 1e-9))
+
+        def show(around: Volume) -> None:
+            within = around.plus(volume, lambda message: self.report.warn(f'object "{name}"', message))
+            cube = xml.with_children(xml.plugin("shape", "cube"), xml.plugin("bsdf", "null"))
+            xml.with_children(cube, *self.enclosures.sides(within, around, body.size))
+            place = grids.box @ Matrix.Translation((0.5, 0.5, 0.5)) @ Matrix.Diagonal((0.5, 0.5, 0.5, 1.0))
+            self.shapes.add(("volume", len(self.enclosures.bodies), id(volume)), xml.Course(place), lambda: [cube])
+
+        name = owner.name
+        body = Body(name, Box(), grids.box, volume, show)
+        self.enclosures.bodies.append(body)
+
+    def _volume_of_grids(self, owner: Any, grids: Grids) -> Volume:
+        material = next((slot.material for slot in owner.material_slots if slot.material is not None), None)
+        if material is None or material.node_tree is None:
+            # Cycles' default: a Principled Volume.
+            return Volume((0.5,) * 3, ((volumes.ISOTROPIC, (0.5,) * 3),), density=grids.named("density"))
+        output = material.node_tree.get_output_node("CYCLES") or material.node_tree.get_output_node("ALL")
+        reader = Reader(f'material "{material.name}"', self.report, self.images)
+        return (output and volumes.translate(reader, output.inputs["Volume"], grids)) or Volume()
 
     def _mesh_parts(self, owner: Any, keys: list[str]) -> list[Part]:
         """Files of an object's mesh. Instances of one object or mesh share them."""
@@ -264,7 +344,7 @@ def _brighten(emitter: xml.Element, factor: float) -> None:
 
 def _remove_unused(folder: Path, used: set[str]) -> None:
     """Removes meshes and images of earlier exports."""
-    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr"):
+    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr", "grid-*.vol", "grid-*.part"):
         for path in folder.glob(pattern):
             if path.name not in used:
                 path.unlink(missing_ok=True)

@@ -8,10 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
-from . import principled, xml
+from . import principled, volumes, xml
 from .images import Images, Texture
 from .nodes import Color, Reader, Surroundings
 from .report import Report
+from .volumes import Volume
 
 Emission = Union[Color, Texture, None]
 Groups = tuple[Any, ...]
@@ -37,6 +38,7 @@ class Material:
     color_attribute: Optional[str]
     is_glass: bool  # whether it is glass, through which light of points and suns is not found
     asks_for_object: bool = False  # whether it differs from object to object
+    volume: Optional[Volume] = None  # within the object
 
 
 def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
@@ -48,12 +50,14 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     if tree is None or not material.use_nodes:
         return Material(diffuse(images, tuple(material.diffuse_color)[:3]), None, None, None, False)
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
-    closure = Closure()
+    closure, volume = Closure(), None
     if output is not None:
         closure = _Translator(reader).shader(output.inputs["Surface"], ())
-        for name in ("Volume", "Displacement"):
-            if reader.source(output.inputs[name], ()) is not None:
-                reader.warn(f"{name.lower()} is not supported; it is left out")
+        volume = volumes.translate(reader, output.inputs["Volume"], None)
+        if volume is not None and reader.source(output.inputs["Surface"], ()) is None:
+            closure.bsdf = xml.plugin("bsdf", "null")
+        if reader.source(output.inputs["Displacement"], ()) is not None:
+            reader.warn("displacement is not supported; it is left out")
     for kind, names in (("UV map", reader.uv_maps), ("color attribute", reader.color_attributes)):
         if len(names) > 1:
             reader.warn(f"more than one {kind} in a material is not supported; {min(names)} is used")
@@ -73,6 +77,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         min(reader.color_attributes, default=None),
         is_glass,
         reader.asks_for_object,
+        volume,
     )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Optional
 
-from . import sky, sky_fits, xml
+from . import sky, sky_fits, volumes, xml
 from .images import MISSING, Images, Texture
 from .nodes import Reader
 from .report import Report
+from .volumes import Volume
 
 # Columns are the axes of Mitsuba's environment in Blender's: its y is up, and the middle of its image lies along Blender's +x.
 ENVIRONMENT = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
@@ -23,8 +24,6 @@ def export(world: Any, images: Images, report: Report) -> Optional[xml.Element]:
     output = world.node_tree.get_output_node("CYCLES") or world.node_tree.get_output_node("ALL")
     if output is None:
         return None
-    if reader.source(output.inputs["Volume"], ()) is not None:
-        reader.warn("volume is not supported; it is left out")
     source = reader.source(output.inputs["Surface"], ())
     if source is None or source.node is None:
         return None
@@ -51,6 +50,15 @@ def export(world: Any, images: Images, report: Report) -> Optional[xml.Element]:
         reader.warn(f"{kind} is not supported; the default value is used")
         value = tuple(node.inputs["Color"].default_value)[:3]
     return _constant(tuple(channel * strength for channel in value))
+
+
+def volume(world: Any, images: Images, report: Report) -> Volume:
+    """Volume that fills the space between all objects."""
+    if world is None or world.node_tree is None or not world.use_nodes:
+        return Volume()
+    output = world.node_tree.get_output_node("CYCLES") or world.node_tree.get_output_node("ALL")
+    reader = Reader(f'world "{world.name}"', report, images)
+    return (output and volumes.translate(reader, output.inputs["Volume"], None)) or Volume()
 
 
 def _constant(color: tuple[float, ...]) -> Optional[xml.Element]:

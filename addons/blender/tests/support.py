@@ -19,28 +19,28 @@ FOLDER = Path(tempfile.mkdtemp(prefix="lodestar-blender-"))
 PROGRAM = os.environ.get("LODESTAR", "lodestar")
 
 
-def render(scene: Any, engine: str, samples: int, name: str = "picture") -> exr.Picture:
-    """Picture of a scene, with all passes."""
+def render(scene: Any, engine: str, samples: int, name: str = "picture", bounces: int = BOUNCES) -> exr.Picture:
+    """Picture of a scene, with all passes. Paths of Lodestar have two edges more than Cycles' have bounces."""
     scene.render.engine = engine
     scene.render.filepath = str(FOLDER / f"{name}-{engine.lower()}.exr")
     if engine == "CYCLES":
-        _prepare_cycles(scene, samples)
+        _prepare_cycles(scene, samples, bounces)
     else:
         settings = scene.lodestar
         settings.samples, settings.filter = samples, "box"
-        settings.use_max_depth, settings.max_depth = True, BOUNCES + 2
+        settings.use_max_depth, settings.max_depth = True, bounces + 2
         for each in ("albedo", "normal", "depth", "variance"):
             setattr(settings, f"pass_{each}", True)
     bpy.ops.render.render(write_still=True)
     return exr.read(Path(scene.render.filepath))
 
 
-def _prepare_cycles(scene: Any, samples: int) -> None:
+def _prepare_cycles(scene: Any, samples: int, bounces: int) -> None:
     cycles = scene.cycles
     cycles.samples, cycles.device = samples, "CPU"
     cycles.use_denoising = cycles.use_adaptive_sampling = False
-    for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
-        setattr(cycles, f"{kind}_bounces", BOUNCES)
+    for kind in ("max", "diffuse", "glossy", "transmission", "volume", "transparent_max"):
+        setattr(cycles, f"{kind}_bounces", bounces)
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.light_sampling_threshold, cycles.use_light_tree = 0.0, False

@@ -1,0 +1,106 @@
+"""Volumes: pictures beside those of Cycles, what the export writes, and what it reports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+import support
+import volume_scenes
+from lodestar import export, volumes
+
+# Side of the blocks whose means are compared, in pixels.
+BLOCK = 8
+# Bounces of both. Boundaries of volumes are edges of Lodestar's paths, not bounces of Cycles'.
+BOUNCES = 128
+# Scene, samples of both, largest deviation of a block mean, and of the whole mean. Most of a bound is noise.
+ROWS = [
+    ("bodies", 256, 0.03, 0.01),
+    ("mixes", 256, 0.03, 0.01),
+    ("fog", 256, 0.03, 0.01),
+    ("within", 256, 0.03, 0.01),
+    ("smoke", 256, 0.03, 0.01),
+]
+
+
+def picture(scene: Any, engine: str, samples: int, name: str) -> np.ndarray:
+    return support.colors(support.render(scene, engine, samples, name, BOUNCES))
+
+
+def made(name: str) -> Any:
+    return volume_scenes.smoke(support.FOLDER) if name == "smoke" else getattr(volume_scenes, name)()
+
+
+@pytest.mark.parametrize("name,samples,block,whole", ROWS, ids=[row[0] for row in ROWS])
+def test_agrees_with_cycles(name: str, samples: int, block: float, whole: float) -> None:
+    scene = made(name)
+    theirs, ours = (picture(scene, engine, samples, name) for engine in ("CYCLES", "LODESTAR"))
+    found, ratio = support.deviation(ours, theirs, BLOCK), support.mean_ratio(ours, theirs)
+    print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < block and abs(ratio - 1.0) < whole
+
+
+def exported(folder: Path) -> tuple[ElementTree.Element, list[str]]:
+    """Scene file and warnings of the current scene."""
+    found = export.export(bpy.context.evaluated_depsgraph_get(), folder, export.Options())
+    return ElementTree.parse(found.scene_file).getroot(), found.report.warnings
+
+
+def coefficients(root: ElementTree.Element, reference: Any, name: str) -> list[float]:
+    medium = next(m for m in root.iter("medium") if m.get("id") == reference.get("id"))
+    element = next(child for child in medium if child.get("name") == name)
+    return [float(value) for value in element.get("value", "").split()]
+
+
+def test_volumes_within_each_other_add_up(tmp_path: Path) -> None:
+    """The inner ball has the sum of both volumes inside, and the outer ball's volume outside."""
+    scene = volume_scenes.mixes()
+    root, warnings = exported(tmp_path)
+    assert not warnings
+    sides = [{ref.get("name"): ref for ref in shape.iter("ref") if ref.get("name")} for shape in root.iter("shape")]
+    inner = next(side for side in sides if len(side) == 2)
+    assert coefficients(root, inner["interior"], "sigma_a") == pytest.approx([1.6, 1.0, 0.2])
+    assert coefficients(root, inner["exterior"], "sigma_a") == pytest.approx([0.0] * 3)
+    for side in inner.values():
+        assert coefficients(root, side, "sigma_s") == pytest.approx([0.63] * 3)
+    # A shift lets the two surfaces cross.
+    scene.objects["inner"].location.x += 0.8
+    assert any("overlap in part" in warning and '"inner" and "outer"' in warning for warning in exported(tmp_path)[1])
+
+
+def test_the_camera_has_a_medium(tmp_path: Path) -> None:
+    """The camera's medium is that of the body that it stands in."""
+    scene = volume_scenes.within()
+    root, _ = exported(tmp_path)
+    reference = root.find("sensor/ref")
+    assert coefficients(root, reference, "sigma_s") == pytest.approx([0.07, 0.08, 0.09])
+    scene.objects["around"].location.y += 20.0
+    assert exported(tmp_path)[0].find("sensor/ref") is None
+
+
+def test_what_is_not_supported_is_reported(tmp_path: Path) -> None:
+    def build(tree: Any) -> Any:
+        noise = tree.nodes.new("ShaderNodeTexNoise")
+        return volume_scenes.scattering(tree, density=noise.outputs[0])
+
+    scene = volume_scenes.stage()
+    scenes.ball(scene, "cloud", 0.5, volume_scenes.volume("cloud", build))
+    report = "\n".join(exported(tmp_path)[1])
+    assert "a density that is computed from place to place is not supported; it is 1 everywhere" in report
+
+
+def test_phase_functions() -> None:
+    """Mean cosines are those of numeric integrals, and the shares that are scattered backwards those that are asked for."""
+    cosines = np.linspace(-1.0, 1.0, 200_001)
+    for g, alpha in ((0.3, 2.0), (0.7, 0.5), (0.6, 100.0)):
+        draine = (1.0 + alpha * cosines**2) / (1.0 + g * g - 2.0 * g * cosines) ** 1.5
+        assert volumes.draine_cosine(g, alpha) == pytest.approx((draine * cosines).sum() / draine.sum(), rel=1e-3)
+    for share in (0.02, 0.1, 0.4):
+        g = volumes.cosine_of_backscatter(share)
+        lobe = (1.0 - g * g) / (1.0 + g * g - 2.0 * g * cosines) ** 1.5
+        assert lobe[cosines < 0.0].sum() / lobe.sum() == pytest.approx(share, rel=1e-3)
