@@ -113,8 +113,8 @@ class _Exporter:
             xml.with_children(root, environment)
         exposure = float(getattr(getattr(scene, "cycles", None), "film_exposure", 1.0))
         if exposure != 1.0:
-            for emitter in root.iter("emitter"):
-                _brighten(emitter, exposure)
+            for element in (*root.iter("emitter"), *root.iter("medium")):
+                _brighten(element, exposure)
         self._report_light_through_surfaces()
         for name, radii in falloff.near_surfaces(self.soft_lamps, self.depsgraph.object_instances).items():
             self.report.warn(f'light "{name}"', falloff.warning(radii))
@@ -329,10 +329,10 @@ class _Exporter:
 
 
 def _brighten(emitter: xml.Element, factor: float) -> None:
-    """Multiplies the light of an emitter, as a film's exposure does."""
+    """Multiplies the light of an emitter or a medium, as a film's exposure does."""
     for at, child in enumerate(list(emitter)):
         name = child.get("name")
-        if name not in ("radiance", "intensity", "irradiance", "scale"):
+        if name not in ("radiance", "intensity", "irradiance", "scale", "emission"):
             continue
         if child.tag == "texture":
             scale = xml.add(xml.plugin("texture", "scale", name), "scale", factor)
