@@ -196,15 +196,6 @@ pub fn frames(text: &str) -> Result<Vec<u32>, String> {
     }
 }
 
-/// Path that ends in .exr.
-///
-/// # Errors
-/// A request for such a name.
-pub fn exr_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    files::has_extension(&path, "exr").then_some(path).ok_or_else(|| "the name must end in .exr".into())
-}
-
 /// Path of a guide to write.
 ///
 /// # Errors
