@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::thread;
 use std::time::Duration;
 
+use lodestar::files::{has_extension, is_picture};
 use lodestar::session::{Event, Options, Watch};
 use lodestar::settings::options::LOCAL;
 use lodestar::settings::options::form::{self, page_address};
@@ -46,8 +47,7 @@ pub struct ViewArgs {
 /// Serves the picture or the scene until a signal comes.
 pub fn run(args: ViewArgs) -> Result<ExitCode> {
     let interrupt = Interrupt::catch(false)?;
-    let is_picture = args.subject.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    match is_picture {
+    match has_extension(&args.subject, "exr") {
         true => show_picture(&args, &interrupt),
         false => move_through(args, &interrupt),
     }
@@ -68,6 +68,14 @@ fn show_picture(args: &ViewArgs, interrupt: &Interrupt) -> Result<ExitCode> {
 
 fn move_through(args: ViewArgs, interrupt: &Interrupt) -> Result<ExitCode> {
     let ViewArgs { subject, address, given } = args;
+    // What cannot be a scene is refused before there is a page.
+    if is_picture(&subject) {
+        return Err(Error::Settings(format!(
+            "{}: a page shows EXR files; the name must end in .exr",
+            subject.display()
+        )));
+    }
+    std::fs::metadata(&subject).map_err(Error::read(&subject))?;
     let picture = given.values("output", form::output_path).pop();
     if let Some(picture) = picture.as_ref().filter(|picture| picture.extension().is_none_or(|found| found != "exr")) {
         return Err(Error::Settings(format!("{}: the page writes EXR files; give a name in .exr", picture.display())));
