@@ -238,9 +238,9 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..of_files(Everyone, "tone", "srgb|paper")
     },
     OptionEntry {
-        short: "Exposure of PNG files: brighter by 2^STOPS",
+        short: "Brighten PNG files by 2^STOPS",
         long: "`auto` makes 95 % of the pixels that show a surface darker than 0.8. The stops are printed. EXR files keep their values.",
-        default: "auto for glTF models, otherwise 0",
+        default: "auto for glTF, otherwise 0",
         form: Form::EXPOSURE,
         resume: Resume::Kept,
         ..of_files(Everyone, "exposure", "STOPS|auto")
