@@ -26,5 +26,6 @@ if ! message=$("$python" -c "import bpy" 2>&1); then
   echo "skipped: bpy cannot be loaded: ${message##*$'\n'}"
   exit 0
 fi
-export LODESTAR_ZIP=${LODESTAR_ZIP:-$(addons/blender/build.sh target/blender)}
+[ -n "${LODESTAR_ZIP:-}" ] || LODESTAR_ZIP=$(addons/blender/build.sh target/blender)
+export LODESTAR_ZIP
 exec "$python" -W ignore::DeprecationWarning -m pytest -p no:cacheprovider -q addons/blender/tests "$@"
