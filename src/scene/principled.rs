@@ -38,7 +38,8 @@ parameters! {
 }
 
 parameters! {
-    /// Parameters of the principled BSDF of a thin sheet. All but `eta` lie in [0, 1].
+    /// Parameters of the principled BSDF of a thin sheet. All but `eta` lie in [0, 1], and so does the base color, unless `difftrans`
+    /// is met from within a body of an index of refraction.
     #[derive(Debug, Clone, PartialEq, serde::Serialize)]
     pub struct PrincipledThin {
         /// Base color.

@@ -146,3 +146,32 @@ fn normal_maps_follow_mirrored_coordinates() {
         assert_eq!(normals(&mut with_attribute("TANGENT", [tangent; 4])), [expected], "{tangent:?}");
     }
 }
+
+/// A body that light enters absorbs it: what remains after the attenuation distance has the attenuation color.
+#[test]
+fn bodies_absorb() {
+    let read_with = |extensions: Value| {
+        let mut model = square();
+        model["extensionsUsed"] =
+            json!(["KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_diffuse_transmission"]);
+        model["materials"][0] = json!({"extensions": extensions});
+        read(&model).unwrap()
+    };
+    let volume = |thickness: f32, distance: f32| json!({"thicknessFactor": thickness, "attenuationDistance": distance, "attenuationColor": [0.5, 1.0, 0.25]});
+    let body = |volume: Value| {
+        read_with(json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": volume}))
+    };
+    let scene = body(volume(1.0, 2.0));
+    let medium = &scene.media.all[0];
+    let expected = [0.5_f32, 1.0, 0.25].map(|channel| -channel.ln() / 2.0);
+    assert!((medium.extinction - glam::Vec3::from(expected)).length() < 1e-6, "{medium:?}");
+    assert_eq!(medium.albedo, glam::Vec3::ZERO);
+    assert!(scene.materials.iter().any(|material| material.boundary.is_some_and(|sides| sides.interior == Some(0))));
+    assert!(body(volume(0.0, 2.0)).media.all.is_empty() && body(json!({"thicknessFactor": 1})).media.all.is_empty());
+    let sheet = read_with(json!({"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.3}}));
+    let share = sheet.materials.iter().find_map(|material| match material.kind {
+        MaterialKind::Blend { weight, .. } => Some(weight.value),
+        _ => None,
+    });
+    assert_eq!((share, sheet.media.all.len()), (Some(0.3), 0));
+}

@@ -64,7 +64,7 @@ fn refuse(body: &str, parts: &[&str]) {
 fn integrators_are_taken_for_path() {
     let read = |xml: &str, names: &str| one_warning(xml, &["integrator", names, "`path`"]).integrator;
     let open = IntegratorDescription::default();
-    for plugin in ["bdpt", "photonmapper", "ptracer", "guided_path", "volpath", "volpathmis", "transient_path"] {
+    for plugin in ["bdpt", "photonmapper", "ptracer", "guided_path", "volpathmis", "transient_path"] {
         let xml = format!(r#"<integrator type="{plugin}"><integer name="photons" value="9"/></integrator>"#);
         assert_eq!(read(&xml, &format!("`{plugin}`")), open);
     }

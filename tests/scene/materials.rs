@@ -307,6 +307,24 @@ fn coatings() {
     refuse(r#"<bsdf type="coating"><bsdf type="dielectric"/></bsdf>"#, &["transmits light"]);
 }
 
+/// A `difftrans` is a thin sheet whose light all crosses. A `twosided` of two BSDFs may have parts that transmit light.
+#[test]
+fn light_passes_diffusely() {
+    let sheet = |inside: &str| surface(&format!(r#"<bsdf type="difftrans">{inside}</bsdf>"#));
+    let color = r#"<rgb name="transmittance" value="0.2 0.4 0.8"/>"#;
+    let Bsdf::PrincipledThin(thin) = sheet(color).bsdf else { panic!("a thin sheet") };
+    assert_eq!((thin.base_color.value, thin.crossing.value), (Vec3::new(0.2, 0.4, 0.8), 1.0));
+    let within = r#"<float name="int_ior" value="3"/><float name="ext_ior" value="2"/>"#;
+    let Bsdf::PrincipledThin(thin) = sheet(within).bsdf else { panic!("a thin sheet") };
+    assert_eq!(thin.base_color.value, Vec3::splat(0.5 * 2.25));
+    let front = r#"<bsdf type="roughdielectric"/>"#;
+    let body = format!(r#"<bsdf type="twosided">{front}<bsdf type="difftrans"/></bsdf>"#);
+    let scene = load_body(&format!("<shape type=\"sphere\">{body}</shape>")).expect("a scene");
+    assert!(scene.materials.iter().any(|material| matches!(material.kind, MaterialKind::Sides { .. })));
+    refuse(&format!(r#"<bsdf type="twosided">{front}<bsdf type="null"/></bsdf>"#), &["transmit nothing"]);
+    refuse(&format!(r#"<bsdf type="twosided">{front}<bsdf type="thindielectric"/></bsdf>"#), &["transmit nothing"]);
+}
+
 #[test]
 fn what_mitsuba_refuses_is_refused() {
     refuse(r#"<bsdf type="twosided"><bsdf type="dielectric"/></bsdf>"#, &["transmit nothing"]);

@@ -171,7 +171,7 @@ fn meshes() {
 /// One message lists every fault once, in the order of the lines.
 #[test]
 fn all_faults_are_listed_at_once() {
-    let body = r#"<bsdf type="difftrans" id="a"/>
+    let body = r#"<bsdf type="hk" id="a"/>
 <shape type="sdfgrid"><ref id="a"/></shape>
 <shape type="sphere"><bsdf type="twosided"><bsdf type="measured"/><bsdf type="irawan"/></bsdf><emitter type="laser"/></shape>
 <emitter type="sky"/>
@@ -185,7 +185,7 @@ fn all_faults_are_listed_at_once() {
     assert_eq!(lines[0], "the scene has 10 faults:", "{message}");
     let expected = [
         ("bad.ply", "bad.ply"),
-        ("scene.xml:2: ", "`difftrans`"),
+        ("scene.xml:2: ", "`hk`"),
         ("scene.xml:3: ", "`sdfgrid`"),
         ("scene.xml:4: ", "`measured`"),
         ("scene.xml:4: ", "`irawan`"),

@@ -185,7 +185,8 @@ class _Exporter:
             self.report.warn(f'object "{owner.name}"', message)
         shown = tuple((file, keys[part.slot]) for part in self._mesh_parts(owner, keys) for file in part.files)
         volume = self._volume_within(owner, keys)
-        region = self.enclosures.region(owner) if volume is not None else None
+        is_boundary = volume is not None or any(self.materials[key].below is not None for key in keys)
+        region = self.enclosures.region(owner) if is_boundary else None
         if region is None:
             self.shapes.add((shown, ()), course, lambda: [self._shape(file, key) for file, key in shown])
             return
@@ -212,6 +213,9 @@ class _Exporter:
 
     def _sides(self, key: str, around: Volume, body: Body) -> list[xml.Element]:
         """References to the media on the sides of a surface of a body."""
+        below = self.materials[key].below
+        if below is not None:
+            return self.enclosures.sides(below, around, body.size)
         own = self.materials[key].volume
         if own is None or own.is_empty:
             return []

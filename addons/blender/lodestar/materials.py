@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
-from . import principled, volumes, xml
+from . import principled, subsurface, volumes, xml
 from .images import Images, Texture
 from .nodes import Color, Reader, Surroundings
 from .report import Report
@@ -26,6 +26,8 @@ class Closure:
 
     bsdf: Optional[xml.Element] = None
     emission: Emission = None
+    # Medium below the surface, whose front has the BSDF.
+    below: Optional[Volume] = None
 
 
 @dataclass
@@ -39,6 +41,7 @@ class Material:
     is_glass: bool  # whether it is glass, through which light of points and suns is not found
     asks_for_object: bool = False  # whether it differs from object to object
     volume: Optional[Volume] = None  # within the object
+    below: Optional[Volume] = None  # below the surface, in the place of the volume
 
 
 def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
@@ -56,6 +59,11 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         volume = volumes.translate(reader, output.inputs["Volume"], None)
         if volume is not None and reader.source(output.inputs["Surface"], ()) is None:
             closure.bsdf = xml.plugin("bsdf", "null")
+        if closure.below is not None and closure.bsdf is not None:
+            covered = subsurface.around(closure.bsdf, reader.warn)
+            closure = Closure(covered or closure.bsdf, closure.emission, closure.below if covered is not None else None)
+            if volume is not None and covered is not None:
+                reader.warn("a volume below subsurface is not supported; it is left out")
         if reader.source(output.inputs["Displacement"], ()) is not None:
             reader.warn("displacement is not supported; it is left out")
     for kind, names in (("UV map", reader.uv_maps), ("color attribute", reader.color_attributes)):
@@ -69,7 +77,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         reader.warn("a color attribute beside other textures is not supported; the color is white")
         _whiten(element)
         reader.color_attributes.clear()
-    is_glass = any(b.get("type") in ("dielectric", "roughdielectric") for b in element.iter("bsdf"))
+    is_glass = closure.below is None and any(b.get("type") in ("dielectric", "roughdielectric") for b in element.iter("bsdf"))
     return Material(
         element,
         _radiance(closure.emission, images),
@@ -78,6 +86,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         is_glass,
         reader.asks_for_object,
         volume,
+        closure.below,
     )
 
 
@@ -136,6 +145,8 @@ class _Translator:
             "BSDF_GLASS": self._glass,
             "BSDF_REFRACTION": self._refraction,
             "BSDF_TRANSPARENT": self._transparent,
+            "BSDF_TRANSLUCENT": self._translucent,
+            "SUBSURFACE_SCATTERING": self._subsurface,
             "EMISSION": self._emission,
             "MIX_SHADER": self._mix,
             "ADD_SHADER": self._add,
@@ -155,13 +166,39 @@ class _Translator:
         return Closure(diffuse(self.images, self.reader.color(color, groups) if color is not None else DEFAULT))
 
     def _principled(self, node: Any, groups: Groups) -> Closure:
-        bsdf = principled.translate(self.reader, node, groups)
+        bsdf, below = principled.translate(self.reader, node, groups)
         strength = self.reader.constant(node.inputs["Emission Strength"], groups)
         emission = None
         if strength > 0.0:
             emission = _scaled(self._emitted(node.inputs["Emission Color"], groups), strength)
             emission = self._covered(emission, self.reader.scalar(node.inputs["Alpha"], groups))
-        return Closure(bsdf, emission)
+        return Closure(bsdf, emission, below)
+
+    def _subsurface(self, node: Any, groups: Groups) -> Closure:
+        color: Union[Color, Texture] = self.reader.color(node.inputs["Color"], groups)
+        tint: Union[Color, Texture] = (1.0, 1.0, 1.0)
+        if isinstance(color, Texture):
+            tint = color.scaled((1.0 / subsurface.ALBEDO_BELOW_TEXTURES,) * 3)
+            color = (subsurface.ALBEDO_BELOW_TEXTURES,) * 3
+            self.reader.warn(
+                f"below a texture of colors, subsurface is a medium of the albedo {color[0]}, and the texture tints the light that enters it"
+            )
+        scale = max(self.reader.constant(node.inputs["Scale"], groups), 0.0)
+        radius = tuple(max(r, 0.0) * scale for r in self.reader.constant_color(node.inputs["Radius"], groups))
+        cosine, ior = (self.reader.constant(node.inputs[name], groups) for name in ("Anisotropy", "IOR"))
+        if node.falloff == "BURLEY":
+            self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
+        below = subsurface.medium(color, radius, cosine, node.falloff, ior)  # type: ignore[arg-type]
+        if below is None:
+            return Closure(self.relief(diffuse(self.images, color), node, groups))
+        # Light enters diffusely: Cycles bends it, but reflects none.
+        entering = parameter(self.images, subsurface.transmitting(), "transmittance", tint)
+        return Closure(self.relief(entering, node, groups), None, below)
+
+    def _translucent(self, node: Any, groups: Groups) -> Closure:
+        color = self.reader.color(node.inputs["Color"], groups)
+        sheet = parameter(self.images, subsurface.transmitting(), "transmittance", color)
+        return Closure(self.relief(sheet, node, groups))
 
     def _emitted(self, socket: Any, groups: Groups) -> Union[Color, Texture]:
         """Color of emitted light."""
@@ -278,21 +315,30 @@ class _Translator:
         if first.bsdf is not None or second.bsdf is not None:
             parts = [part.bsdf if part.bsdf is not None else diffuse(self.images, BLACK) for part in (first, second)]
             bsdf = blend(self.images, weight, *parts)
+        below = self._below(first, second, weight)
         share = weight
         if isinstance(weight, Texture) and (first.emission or second.emission):
             share = float(node.inputs[0].default_value)
             self.reader.warn("emission mixed by a texture is not supported; it is mixed by the factor's default value")
         if isinstance(share, Texture):
-            return Closure(bsdf)
+            return Closure(bsdf, None, below)
         emissions = _scaled(first.emission, 1.0 - share), _scaled(second.emission, share)
-        return Closure(bsdf, self._sum(*emissions))
+        return Closure(bsdf, self._sum(*emissions), below)
+
+    def _below(self, first: Closure, second: Closure, weight: Union[float, Texture]) -> Optional[Volume]:
+        """Medium below a mixture, of which `weight` is the share of the second part."""
+        media = [part.below for part, none in ((first, 1.0), (second, 0.0)) if part.below is not None and weight != none]
+        if len(media) == 2 and media[0] != media[1]:
+            self.reader.warn("subsurface of two kinds in one material is not supported; the medium of the first is below both")
+        return media[0] if media else None
 
     def _add(self, node: Any, groups: Groups) -> Closure:
         first, second = (self.shader(node.inputs[at], groups) for at in (0, 1))
         if first.bsdf is not None and second.bsdf is not None:
             self.reader.warn("Add Shader of two surfaces is not supported; the first is rendered")
         bsdf = first.bsdf if first.bsdf is not None else second.bsdf
-        return Closure(bsdf, self._sum(first.emission, second.emission))
+        below = first.below if first.bsdf is not None else second.below
+        return Closure(bsdf, self._sum(first.emission, second.emission), below)
 
     def _sum(self, first: Emission, second: Emission) -> Emission:
         if first is None or first == BLACK:

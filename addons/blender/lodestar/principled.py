@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import Any, Union
+from typing import Any, Optional, Union
 
-from . import units, xml
+from . import subsurface, units, xml
 from .images import Images, Texture
 from .nodes import Color, Reader
+from .volumes import Volume
 
 Groups = tuple[Any, ...]
 # Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
@@ -25,9 +26,10 @@ MOST_FILTER_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
-def translate(reader: Reader, node: Any, groups: Groups) -> xml.Element:
-    """BSDF of a Principled node, without its emission."""
-    return _Principled(reader, node, groups).bsdf()
+def translate(reader: Reader, node: Any, groups: Groups) -> tuple[xml.Element, Optional[Volume]]:
+    """BSDF of a Principled node, without its emission, and the medium below it. With a medium, the BSDF is that of the front."""
+    principled = _Principled(reader, node, groups)
+    return principled.bsdf(), principled.medium
 
 
 def default(images: Images) -> xml.Element:
@@ -64,6 +66,8 @@ class _Principled:
         self.ior = self._constant("IOR")
         self.anisotropic = self._constant("Anisotropic")
         self.sheen = self._scalar("Sheen Weight")
+        self.subsurface = self._scalar("Subsurface Weight")
+        self.medium = self._medium()
         self._report()
 
     def _scalar(self, name: str) -> Union[float, Texture]:
@@ -73,9 +77,40 @@ class _Principled:
     def _constant(self, name: str) -> float:
         return self.reader.constant(self.node.inputs[name], self.groups)
 
+    def _medium(self) -> Optional[Volume]:
+        """Medium below the surface."""
+        if self.subsurface == 0.0 or self.metallic == 1.0 or self.transmission == 1.0:
+            return None
+        method = self.node.subsurface_method
+        if method == "BURLEY":
+            self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
+        color = self.base
+        if isinstance(color, Texture):
+            color = (subsurface.ALBEDO_BELOW_TEXTURES,) * 3
+            self.reader.warn(
+                f"below a texture of colors, subsurface is a medium of the albedo {color[0]}, and the texture tints the light that enters it"
+            )
+        scale = max(self._constant("Subsurface Scale"), 0.0)
+        radius = tuple(max(r, 0.0) * scale for r in self.reader.constant_color(self.node.inputs["Subsurface Radius"], self.groups))
+        cosine = self._constant("Subsurface Anisotropy")
+        ior = self._constant("Subsurface IOR") if method == "RANDOM_WALK_SKIN" else self.ior
+        return subsurface.medium(color, radius, cosine, method, ior)  # type: ignore[arg-type]
+
+    def _entering(self) -> xml.Element:
+        """Surface through which light enters the medium below."""
+        from . import materials
+
+        tint: Union[Color, Texture] = WHITE
+        if isinstance(self.base, Texture):
+            tint = self.base.scaled((1.0 / subsurface.ALBEDO_BELOW_TEXTURES,) * 3)
+        ior = units.specular_index(self.ior, self._constant("Specular IOR Level"))
+        if abs(ior - 1.0) < 1e-3:
+            return materials.parameter(self.images, subsurface.transmitting(), "transmittance", tint)
+        element = self._dielectric(ior)
+        element.set("id", subsurface.ENTERING)
+        return materials.parameter(self.images, element, "specular_transmittance", tint)
+
     def _report(self) -> None:
-        if self._scalar("Subsurface Weight") != 0.0:
-            self.reader.warn("Subsurface is not supported; the surface is diffuse")
         for name in ("Thin Film Thickness", "Diffuse Roughness"):
             if name in self.node.inputs and self._scalar(name) != 0.0:
                 self.reader.warn(f"{name} is not supported; 0 is used")
@@ -103,11 +138,12 @@ class _Principled:
     def _below_metal(self) -> xml.Element:
         from . import materials
 
-        if self.transmission == 0.0:
-            return self._opaque()
         if self.transmission == 1.0:
             return self._glass()
-        return materials.blend(self.images, self.transmission, self._opaque(), self._glass())
+        base = self._opaque() if self.medium is None or self.subsurface != 1.0 else self._entering()
+        if self.medium is not None and self.subsurface != 1.0:
+            base = materials.blend(self.images, self.subsurface, base, self._entering())
+        return base if self.transmission == 0.0 else materials.blend(self.images, self.transmission, base, self._glass())
 
     def _opaque(self) -> xml.Element:
         """Dielectric with a diffuse base."""
@@ -150,6 +186,12 @@ class _Principled:
         if abs(self.ior - 1.0) < 1e-4:
             element = xml.add(xml.add(xml.plugin("bsdf", "thindielectric"), "int_ior", 1.0), "ext_ior", 1.0)
             return materials.parameter(self.images, element, "specular_transmittance", tint)
+        return materials.parameter(self.images, self._dielectric(self.ior), "specular_transmittance", tint)
+
+    def _dielectric(self, ior: float) -> xml.Element:
+        """Smooth or rough boundary of a body."""
+        from . import materials
+
         if not isinstance(self.roughness, Texture) and self.roughness < SMOOTH:
             element = xml.plugin("bsdf", "dielectric")
         else:
@@ -157,8 +199,7 @@ class _Principled:
             rough = self.roughness
             alpha = rough.with_operation("square") if isinstance(rough, Texture) else rough**2
             materials.parameter(self.images, element, "alpha", alpha)
-        xml.add(xml.add(element, "int_ior", self.ior), "ext_ior", 1.0)
-        return materials.parameter(self.images, element, "specular_transmittance", tint)
+        return xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
 
     def _coated(self, surface: xml.Element) -> xml.Element:
         from . import materials
@@ -166,7 +207,7 @@ class _Principled:
         weight = self._scalar("Coat Weight")
         if weight == 0.0:
             return surface
-        if self.transmission != 0.0 and self.metallic != 1.0:
+        if (self.transmission != 0.0 or self.medium is not None) and self.metallic != 1.0:
             self.reader.warn("a coat over a surface that transmits light is not supported; it is left out")
             return surface
         if self._constant("Coat Roughness") > 0.1:

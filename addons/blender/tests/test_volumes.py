@@ -1,4 +1,4 @@
-"""Volumes: pictures beside those of Cycles, what the export writes, and what it reports."""
+"""Volumes and subsurface: pictures beside those of Cycles, what the export writes, and what it reports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 import scenes
 import support
 import volume_scenes
-from lodestar import export, volumes
+from lodestar import export, subsurface, volumes
 
 # Side of the blocks whose means are compared, in pixels.
 BLOCK = 8
@@ -25,6 +25,7 @@ ROWS = [
     ("fog", 256, 0.06, 0.01),  # light that two renderers find by chance: the block with the most noise differed by 4 %
     ("within", 256, 0.03, 0.01),
     ("smoke", 256, 0.03, 0.01),
+    ("wax", 256, 0.03, 0.01),
 ]
 
 
@@ -90,8 +91,11 @@ def test_what_is_not_supported_is_reported(tmp_path: Path) -> None:
 
     scene = volume_scenes.stage()
     scenes.ball(scene, "cloud", 0.5, volume_scenes.volume("cloud", build))
+    textured = lambda t: scenes.shader(t, "ShaderNodeBsdfPrincipled", Subsurface_Weight=1.0, Base_Color=t.nodes.new("ShaderNodeTexNoise").outputs[1]).outputs[0]  # noqa: E731
+    scenes.ball(scene, "skin", 0.5, scenes.material("skin", textured))
     report = "\n".join(exported(tmp_path)[1])
     assert "a density that is computed from place to place is not supported; it is 1 everywhere" in report
+    assert "subsurface is a medium of the albedo 0.9" in report
 
 
 def test_phase_functions() -> None:
@@ -104,3 +108,12 @@ def test_phase_functions() -> None:
         g = volumes.cosine_of_backscatter(share)
         lobe = (1.0 - g * g) / (1.0 + g * g - 2.0 * g * cosines) ** 1.5
         assert lobe[cosines < 0.0].sum() / lobe.sum() == pytest.approx(share, rel=1e-3)
+
+
+def test_media_below_surfaces() -> None:
+    """A brighter surface scatters more, and a larger radius has a longer way. Where there is no radius, there is no medium."""
+    dark, bright = (subsurface.medium((c, c, c), (1.0, 1.0, 1.0), 0.0, "RANDOM_WALK", 1.4) for c in (0.2, 0.8))
+    assert dark.absorption[0] > bright.absorption[0] > 0.0
+    way = 1.0 / (bright.absorption[0] + bright.scattering[0][1][0])
+    assert way == pytest.approx(0.25 / np.pi, rel=1e-6)
+    assert subsurface.medium((0.5, 0.5, 0.5), (0.0, 0.0, 0.0), 0.0, "RANDOM_WALK", 1.4) is None

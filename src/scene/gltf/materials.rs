@@ -8,6 +8,7 @@ use super::alpha::{Opacity, radiance};
 use super::asset::{Asset, plain};
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
+use super::volume;
 use super::wearer::{Coloring, Wearer};
 use crate::Result;
 use crate::scene::description::kinds::Kind;
@@ -30,6 +31,8 @@ pub(super) struct Covering {
     pub id: String,
     /// `area` emitter, where the material emits.
     pub emitter: Option<Object>,
+    /// `id` of the medium within the shape.
+    pub medium: Option<String>,
     /// Set of texture coordinates that the textures use.
     pub uv_set: u32,
     /// Factor of the vertex colors, where the material shows them.
@@ -68,7 +71,12 @@ impl Materials {
         let mut reader = Reader { asset, images, material, wearer, label, uv_sets: Vec::new() };
         let (bsdf, emitter, color_factor) = reader.read()?;
         let uv_set = reader.uv_set();
-        let covering = Covering { id: id.clone(), emitter, uv_set, color_factor };
+        let medium = volume::medium(material).map(|medium| {
+            let id = format!("medium{place}_{name}{}", wearer.suffix());
+            self.objects.push((id.clone(), medium));
+            id
+        });
+        let covering = Covering { id: id.clone(), emitter, medium, uv_set, color_factor };
         self.objects.push((id, bsdf));
         self.known.insert(key, covering.clone());
         Ok(covering)
@@ -149,6 +157,7 @@ impl<'a> Reader<'_, 'a> {
         // A dielectric body transmits from both sides already.
         let surface = if transmits { bsdf } else { two_sided(bsdf) };
         let surface = self.thin_transmission(surface, &base)?;
+        let surface = self.diffuse_transmission(surface);
         let emitter = self.emitter(&base)?;
         Ok((self.masked(surface, &base)?, emitter, color_factor))
     }
@@ -280,7 +289,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn is_solid(&self) -> bool {
-        self.material.volume().is_some_and(|volume| volume.thickness_factor() > 0.0)
+        volume::is_solid(self.material)
     }
 
     /// Adds the transmission of a body. Returns whether there is any.
@@ -289,11 +298,6 @@ impl<'a> Reader<'_, 'a> {
             return Ok((bsdf, false));
         }
         let Some(share) = self.transmitted()? else { return Ok((bsdf, false)) };
-        let volume = self.material.volume();
-        let absorbs = volume.is_some_and(|v| v.attenuation_color() != [1.0; 3] && v.attenuation_distance().is_finite());
-        if absorbs {
-            self.warn("the absorption within it (KHR_materials_volume) is not rendered");
-        }
         Ok((bsdf.with("spec_trans", share), true))
     }
 
@@ -314,6 +318,16 @@ impl<'a> Reader<'_, 'a> {
         }
         let parts = [("weight", share), ("opaque", nested(surface)), ("sheet", nested(sheet))];
         Ok(object(Kind::Bsdf, "blendbsdf", parts))
+    }
+
+    /// Mixes in what passes through diffusely.
+    fn diffuse_transmission(&self, surface: Object) -> Object {
+        let Some((share, sheet, has_textures)) = volume::diffuse_transmission(self.material) else { return surface };
+        if has_textures {
+            self.warn("the textures of KHR_materials_diffuse_transmission are ignored");
+        }
+        let parts = [("weight", number(share)), ("opaque", nested(surface)), ("sheet", nested(sheet))];
+        object(Kind::Bsdf, "blendbsdf", parts)
     }
 
     fn with_normals(&mut self, bsdf: Object) -> Result<Object> {

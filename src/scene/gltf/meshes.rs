@@ -105,6 +105,9 @@ impl Meshes {
                 if let Some(emitter) = &covering.emitter {
                     shape = shape.with("emitter", nested(emitter.clone()));
                 }
+                if let Some(medium) = &covering.medium {
+                    shape = shape.with("interior", Value::Reference(medium.clone()));
+                }
                 let key = format!("shape{}_{}", self.shapes.len(), plain(&name));
                 self.shapes.push((key, shape));
             }

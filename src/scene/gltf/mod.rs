@@ -22,6 +22,7 @@ mod relief;
 mod skins;
 mod specular_glossiness;
 mod usual;
+mod volume;
 mod wearer;
 
 use std::path::Path;

@@ -11,6 +11,7 @@ use super::nodes::{Node, rgb};
 use super::parameters::{Parameter, Values};
 use super::rasters::Encoding;
 use super::roughness;
+use super::subsurface;
 use super::textures::Textures;
 use super::tokens::{Place, brief};
 use super::transmission;
@@ -31,6 +32,8 @@ pub(super) struct Cover {
     pub id: String,
     /// Whether texture coordinates matter.
     pub is_textured: bool,
+    /// Id of the medium below the surface.
+    pub interior: Option<String>,
 }
 
 /// Materials as objects.
@@ -77,9 +80,9 @@ impl<'l> Materials<'l> {
             let id = self.names.id("default");
             let diffuse = two_sided(object(Kind::Bsdf, "diffuse", [("reflectance", rgb([0.5; 3]))]));
             self.add("the default material".to_owned(), &id, diffuse);
-            self.default = Some(Cover { id, is_textured: false });
+            self.default = Some(Cover { id, is_textured: false, interior: None });
         }
-        self.default.clone().unwrap_or(Cover { id: String::new(), is_textured: false })
+        self.default.clone().unwrap_or(Cover { id: String::new(), is_textured: false, interior: None })
     }
 
     fn named(&mut self, name: &str, place: &Place, textures: &mut Textures, depth: usize) -> Result<Cover> {
@@ -114,10 +117,17 @@ impl<'l> Materials<'l> {
     fn make(&mut self, entity: &Entity, name: Option<&str>, textures: &mut Textures, depth: usize) -> Result<Cover> {
         entity.parameters.ignore(&["type"]);
         let mut maker = Maker { entity, textures, is_textured: false };
+        let (mut interior, mut medium) = (None, None);
         let bsdf = match entity.kind.as_str() {
             "mix" => {
                 let parts = self.parts(entity, maker.textures, depth)?;
+                interior = parts.iter().find_map(|part| part.interior.clone());
                 mixture(&mut maker, &parts)?
+            }
+            "subsurface" => {
+                let (boundary, within) = subsurface::read(&mut maker)?;
+                medium = Some(within);
+                boundary
             }
             _ => bsdf(&mut maker)?,
         };
@@ -131,7 +141,12 @@ impl<'l> Materials<'l> {
         };
         let id = self.names.id(&wanted);
         self.add(self.names.label(place, &what), &id, bsdf);
-        Ok(Cover { id, is_textured })
+        if let Some(medium) = medium {
+            let below = self.names.id(&format!("{wanted} below"));
+            self.add(self.names.label(place, &what), &below, medium);
+            interior = Some(below);
+        }
+        Ok(Cover { id, is_textured, interior })
     }
 
     /// The two materials of a `mix`.
@@ -161,7 +176,7 @@ impl<'l> Materials<'l> {
         let mask = object(Kind::Bsdf, "mask", [("opacity", opacity), ("surface", Value::Reference(cover.id.clone()))]);
         self.add(self.names.label(&alpha.place, "alpha"), &id, mask);
         let is_textured = cover.is_textured || !matches!(node, Node::Constant(_));
-        let masked = Cover { id, is_textured };
+        let masked = Cover { id, is_textured, interior: cover.interior };
         self.masked.insert(key, masked.clone());
         Ok(masked)
     }
@@ -185,7 +200,7 @@ fn bsdf(maker: &mut Maker) -> Result<Object> {
         "coateddiffuse" => coats::diffuse(maker),
         "coatedconductor" => coats::conductor(maker),
         "interface" | "" | "none" => Ok(object(Kind::Bsdf, "null", [])),
-        other @ ("hair" | "measured" | "subsurface") => {
+        other @ ("hair" | "measured") => {
             Err(entity.error(format!("the material `{other}` is not supported; use another one")))
         }
         "fourier" => Err(entity.error("the material `fourier` of pbrt-v3 is not supported; use another one")),

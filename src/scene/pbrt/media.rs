@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3, UVec3};
 
+use super::cloud::{self, Cloud};
 use super::colors;
 use super::files::Files;
+use super::measured_media;
 use super::names::Names;
 use super::nodes::rgb;
 use super::parameters::Parameter;
@@ -52,9 +54,13 @@ impl Media {
         media
     }
 
-    /// The shape with the media on its sides. Where both are the same, pbrt's rays keep their medium.
-    pub fn around(&self, shape: Object, sides: &Sides) -> Object {
+    /// The shape with the media on its sides. Where both are the same, pbrt's rays keep their medium. `below` is the id of the medium below
+    /// a surface of its material.
+    pub fn around(&self, shape: Object, sides: &Sides, below: Option<&str>) -> Object {
         let [inside, outside] = &**sides;
+        if let Some(below) = below {
+            return self.named(shape.with("interior", Value::Reference(below.to_owned())), "exterior", outside);
+        }
         if inside == outside {
             return shape;
         }
@@ -83,18 +89,16 @@ fn is_negative(color: &Parameter) -> bool {
 
 fn medium(name: &str, entity: &Entity, exposure: f64, files: &mut Files) -> Result<Object> {
     let parameters = &entity.parameters;
-    if let Some(parameter) = parameters.get("preset") {
-        return Err(parameter.error("of a medium is not supported; give `sigma_a` and `sigma_s`"));
-    }
     parameters.ignore(&["type"]);
     let phase = object(Kind::Phase, "hg", [("g", Value::Float(parameters.number("g", 0.0)?))]);
     let made = match entity.kind.as_str() {
         "homogeneous" => homogeneous(entity, exposure, files)?,
         "uniformgrid" => uniform_grid(entity, exposure, files)?,
         "rgbgrid" => color_grid(entity, exposure)?,
+        "cloud" => cloud(entity, files)?,
         kind => {
             let (name, kind) = (brief(name), brief(kind));
-            let known = "use `homogeneous`, `uniformgrid` or `rgbgrid`";
+            let known = "use `homogeneous`, `uniformgrid`, `rgbgrid` or `cloud`";
             return Err(entity.error(format!("the medium `{name}` of the type `{kind}` is not supported; {known}")));
         }
     };
@@ -137,6 +141,27 @@ fn uniform_grid(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Obj
     Ok(medium.with("emission", rgb(emission)).with("emission_factor", nested(volume(entity, factor)?)))
 }
 
+/// Medium whose coefficients are multiplied by the density of a cloud. It is the same beyond the border of its box as at the border.
+fn cloud(entity: &Entity, files: &mut Files) -> Result<Object> {
+    let parameters = &entity.parameters;
+    let (absorption, scattering) = coefficients(entity, files)?;
+    let number = |name: &str, default: f64| parameters.number(name, default);
+    let cloud = Cloud {
+        density: number("density", 1.0)?,
+        wispiness: number("wispiness", 1.0)?,
+        frequency: number("frequency", 5.0)?,
+    };
+    let (low, high) = corners(entity)?;
+    let grid = Grid::new(UVec3::splat(cloud::SIDE), false, cloud.values(low, high));
+    let grid = grid.map_err(|message| entity.error(format!("the cloud {message}")))?;
+    let entries = [
+        ("sigma_a", rgb(absorption)),
+        ("sigma_s", rgb(scattering)),
+        ("density", nested(volume_beyond(entity, grid, "clamp")?)),
+    ];
+    Ok(object(Kind::Medium, "heterogeneous", entries))
+}
+
 /// Medium with grids of colors in the place of coefficients.
 fn color_grid(entity: &Entity, exposure: f64) -> Result<Object> {
     let parameters = &entity.parameters;
@@ -169,6 +194,13 @@ fn color_grid(entity: &Entity, exposure: f64) -> Result<Object> {
 
 /// Coefficients of absorption and of scattering.
 fn coefficients(entity: &Entity, files: &mut Files) -> Result<([f64; 3], [f64; 3])> {
+    if let Some(parameter) = entity.parameters.get("preset") {
+        entity.parameters.ignore(&["sigma_a", "sigma_s"]);
+        let name = parameter.text()?;
+        return measured_media::named(name).ok_or_else(|| {
+            parameter.error(format!("names the medium `{}`, which pbrt does not know; check its spelling", brief(name)))
+        });
+    }
     let mut color = |name: &str| match entity.parameters.get(name) {
         Some(parameter) if is_negative(parameter) => Err(parameter.error("of a medium must not be negative")),
         Some(parameter) => colors::of_material(parameter, entity.color_space, files),
@@ -218,21 +250,31 @@ fn color_values(parameter: &Parameter, entity: &Entity, size: UVec3) -> Result<G
     Grid::new(size, true, values).map_err(|message| parameter.error(message))
 }
 
-/// The grid over the box of the medium. Beyond its border it is 0, as in pbrt.
-fn volume(entity: &Entity, grid: Grid) -> Result<Object> {
+/// Lower and upper corner of the box of a medium.
+fn corners(entity: &Entity) -> Result<(DVec3, DVec3)> {
     let corner = |name: &str, default: f64| -> Result<DVec3> {
         Ok(entity.parameters.point(name)?.map_or(DVec3::splat(default), DVec3::from))
     };
     let (one, other) = (corner("p0", 0.0)?, corner("p1", 1.0)?);
     let (low, high) = (one.min(other), one.max(other));
-    if (high - low).min_element() <= 0.0 {
-        return Err(entity.error("the box of the medium from `p0` to `p1` is flat"));
+    match (high - low).min_element() > 0.0 {
+        true => Ok((low, high)),
+        false => Err(entity.error("the box of the medium from `p0` to `p1` is flat")),
     }
+}
+
+/// The grid over the box of the medium. Beyond its border it is 0, as in pbrt.
+fn volume(entity: &Entity, grid: Grid) -> Result<Object> {
+    volume_beyond(entity, grid, "zero")
+}
+
+fn volume_beyond(entity: &Entity, grid: Grid, wrap: &str) -> Result<Object> {
+    let (low, high) = corners(entity)?;
     let to_world = entity.to_world.matrix * DMat4::from_translation(low) * DMat4::from_scale(high - low);
     let entries = [
         ("grid", Value::Grid(Arc::new(grid))),
         ("to_world", matrix(&to_world)),
-        ("wrap_mode", Value::Text("zero".to_owned())),
+        ("wrap_mode", Value::Text(wrap.to_owned())),
     ];
     Ok(object(Kind::Volume, "gridvolume", entries))
 }

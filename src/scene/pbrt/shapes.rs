@@ -67,6 +67,7 @@ impl<'l> Shapes<'l> {
             textures.images.warn(&alpha.place, message);
         }
         let light = light.map(|light| AreaLight::read(&light, self.exposure, textures)).transpose()?;
+        let interior = cover.interior.clone();
         let is_textured = cover.is_textured || light.as_ref().is_some_and(AreaLight::is_textured);
         let label = self.names.label(&entity.parameters.place, &format!("shape `{}`", entity.kind));
         let (to_world, at_end) = (entity.to_world.matrix, entity.at_end.map(|end| end.matrix));
@@ -81,7 +82,7 @@ impl<'l> Shapes<'l> {
             .into_iter()
             .map(|(part, emitter)| {
                 let shape = self.object(part, emitter)?;
-                Ok(self.names.entry(label.clone(), &entity.kind, self.media.around(shape, &media)))
+                Ok(self.names.entry(label.clone(), &entity.kind, self.media.around(shape, &media, interior.as_deref())))
             })
             .collect()
     }

@@ -13,8 +13,11 @@ const WRAPPERS: [&str; 6] = ["aov", "moment", "stokes", "multichannel", "adaptiv
 /// Integrators of emission and direct light.
 const DIRECT: [&str; 3] = ["direct", "direct_projective", "direct_reparam"];
 
-/// Integrators that estimate what `path` estimates, where no medium is.
-const LIKE_PATH: [&str; 29] = [
+/// Integrators whose picture is that of a path tracer, with media where there are any.
+const PATH: [&str; 2] = ["path", "volpath"];
+
+/// Integrators that estimate what those of [`PATH`] estimate.
+const LIKE_PATH: [&str; 28] = [
     "bdpt",
     "erpt",
     "guided_path",
@@ -40,7 +43,6 @@ const LIKE_PATH: [&str; 29] = [
     "transientpath",
     "transientvolpath",
     "voltransient",
-    "volpath",
     "volpath_simple",
     "volpathmis",
     "vpl",
@@ -55,10 +57,10 @@ const MAX_DEPTH: usize = 16;
 
 /// Whether a plugin is an integrator that this reader knows.
 pub(super) fn is_known(plugin: &str) -> bool {
-    plugin == "path" || [&WRAPPERS[..], &DIRECT, &LIKE_PATH].iter().any(|names| names.contains(&plugin))
+    [&PATH[..], &WRAPPERS, &DIRECT, &LIKE_PATH].iter().any(|names| names.contains(&plugin))
 }
 
-/// Reads an `<integrator>`. One that is not `path` gets a single warning, or is an error where its picture is another.
+/// Reads an `<integrator>`. One that is not of [`PATH`] gets a single warning, or is an error where its picture is another.
 pub(super) fn parse<'a>(
     object: &'a Object,
     scope: &Scope<'a>,
@@ -73,11 +75,11 @@ pub(super) fn parse<'a>(
         description.max_depth = Some(DIRECT_DEPTH);
     } else if plugin.starts_with("prb") {
         description.max_depth = description.max_depth.or(Some(DIFFERENTIABLE_DEPTH));
-    } else if plugin != "path" && !LIKE_PATH.contains(&plugin) {
-        let all = ["path"].iter().chain(&WRAPPERS).chain(&DIRECT).chain(&LIKE_PATH);
+    } else if !PATH.contains(&plugin) && !LIKE_PATH.contains(&plugin) {
+        let all = PATH.iter().chain(&WRAPPERS).chain(&DIRECT).chain(&LIKE_PATH);
         return Err(properties.owner().unsupported(&all.copied().collect::<Vec<_>>()));
     }
-    if plugin == "path" && names.is_empty() {
+    if PATH.contains(&plugin) && names.is_empty() {
         properties.finish(warnings)?;
         return Ok(description);
     }

@@ -167,7 +167,11 @@ pub fn add(table: &mut Table) {
         });
     }
     // A furnace: a medium that only scatters is invisible under an even sky.
-    for (name, boundary) in [("null", &null), ("glass", &glass)] {
+    // So is one below a dielectric that light leaves diffusely, as below wax.
+    let leaving =
+        "<bsdf type='difftrans'><rgb name='transmittance' value='1,1,1'/><string name='int_ior' value='bk7'/></bsdf>";
+    let wax = bsdf("twosided", &(glass.clone() + leaving));
+    for (name, boundary) in [("null", &null), ("glass", &glass), ("wax", &wax)] {
         table.add(Media, format!("furnace-{name}"), |stage| {
             stage.integrator = volpath();
             stage.room = String::new();

@@ -4,7 +4,8 @@ use std::io::Write as _;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use glam::Vec3;
+use glam::{DVec3, UVec3, Vec3};
+use lodestar::math::perlin::noise;
 use lodestar::scene::{AlbedoVolume, Boundary, Bsdf, Phase, PhaseLobe, VolumeWrap};
 
 use super::{bsdf, load_in, load_text, world};
@@ -165,8 +166,8 @@ fn what_is_refused() {
             ":1: the medium `fog` is not defined; define it by MakeNamedMedium",
         ),
         (
-            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"cloud\"",
-            ":1: the medium `fog` of the type `cloud` is not supported; use `homogeneous`, `uniformgrid` or `rgbgrid`",
+            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"nanovdb\"",
+            ":1: the medium `fog` of the type `nanovdb` is not supported; use `homogeneous`, `uniformgrid`, `rgbgrid` or `cloud`",
         ),
         (
             "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 -2 0 ]",
@@ -234,6 +235,18 @@ fn media_may_be_grids() {
     assert_eq!(&volumes.extinction.values[..], &[1.0, 3.0, 5.0, 3.0, 4.0, 5.0]);
     let Some(AlbedoVolume::Scattering(scattering)) = volumes.albedo else { panic!("no grid of scattering") };
     assert_eq!(&scattering.values[..], &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    // Without wisps, a cloud is the sum of five octaves of noise that fade with the height, over a layer of fog.
+    let cloud = of("cloud", "\"float density\" 2 \"float wispiness\" 0 \"float frequency\" 3");
+    let volume = cloud.volumes.expect("volumes").extinction;
+    assert_eq!((volume.size, volume.wrap), (UVec3::splat(128), VolumeWrap::Clamp));
+    for voxel in [UVec3::new(5, 70, 90), UVec3::new(100, 80, 3), UVec3::new(64, 10, 64)] {
+        let at = (voxel.as_dvec3() + 0.5) / 128.0 * DVec3::new(1.0, 1.0, 3.0);
+        let octaves = [1.0_f64, 1.99, 1.99 * 1.99, 1.99_f64.powi(3), 1.99_f64.powi(4)];
+        let sum: f64 = (1..).zip(octaves).map(|(n, scale)| 0.5_f64.powi(n) * noise(scale * 3.0 * at)).sum();
+        let expected = (((1.0 - at.y) * 9.0 * sum).clamp(0.0, 1.0) + 2.0 * (0.5 - at.y).max(0.0)).clamp(0.0, 1.0);
+        let found = volume.values[((voxel.z * 128 + voxel.y) * 128 + voxel.x) as usize];
+        assert!((f64::from(found) - expected).abs() < 1e-6, "{voxel}: {found} is not {expected}");
+    }
     for (kind, values, says) in [
         ("uniformgrid", "", "the medium needs its parameter `density`"),
         ("uniformgrid", "\"float density\" [ 1 2 3 ]", "has 3 numbers, but 2 x 1 x 1 voxels need 2"),

@@ -135,10 +135,40 @@ fn mixtures_and_holes() {
     );
 }
 
+/// A `subsurface` is a dielectric around a medium. What is outside stays outside.
+#[test]
+fn subsurface_is_a_medium_below_a_dielectric() {
+    let below = |parameters: &str| {
+        let scene = with(&format!("Material \"subsurface\" {parameters}"));
+        let boundary = scene.materials.iter().find_map(|material| material.boundary).expect("a boundary");
+        assert!((boundary.interior, boundary.exterior) == (Some(0), None), "{boundary:?}");
+        scene
+    };
+    let medium = |parameters: &str| below(parameters).media.all[0].clone();
+    let milk = below("\"float roughness\" 0");
+    assert!(matches!(bsdf(&milk), Bsdf::Dielectric { eta, .. } if (eta - 1.33).abs() < 1e-6));
+    let named = medium("\"string name\" \"Ketchup\" \"float scale\" 2");
+    assert!((named.extinction - 2.0 * Vec3::new(0.241, 1.04, 1.48)).length() < 1e-5, "{named:?}");
+    let given = medium("\"rgb sigma_a\" [ 1 2 3 ] \"rgb sigma_s\" [ 3 2 1 ] \"float g\" 0.5");
+    assert_eq!((given.extinction, given.albedo.x), (Vec3::splat(4.0), 0.75));
+    // Without a boundary that reflects, the fit of the reflectance of a half-space holds: 0.2 and 0.8 for these albedos.
+    let fitted = medium("\"rgb reflectance\" [ 0.2 0.8 0 ] \"rgb mfp\" [ 0.5 2 1 ] \"float eta\" 1");
+    assert!((fitted.extinction - Vec3::new(2.0, 0.5, 1.0)).length() < 1e-5);
+    assert!((fitted.albedo - Vec3::new(0.6134, 0.9906, 0.0)).length() < 1e-3, "{fitted:?}");
+    let reflecting = medium("\"rgb reflectance\" [ 0.2 0.8 0 ]");
+    assert!(reflecting.albedo.cmpge(fitted.albedo).all(), "{reflecting:?}");
+}
+
 #[test]
 fn what_is_refused() {
     refused("Material \"measured\" \"string filename\" \"a.bsdf\"", "the material `measured` is not supported");
-    refused("Material \"subsurface\"", "the material `subsurface` is not supported");
+    let wrong = |parameters: &str, message: &str| refused(&format!("Material \"subsurface\" {parameters}"), message);
+    wrong("\"string name\" \"Jam\"", "names the medium `Jam`, which pbrt does not know");
+    wrong("\"rgb mfp\" [ 1 1 1 ]", "needs its `reflectance`, too");
+    wrong("\"rgb reflectance\" [ 1 1 1 ] \"rgb mfp\" [ 1 0 1 ]", "must be greater than 0");
+    wrong("\"rgb sigma_a\" [ 1 1 1 ]", "both `sigma_a` and `sigma_s`, or neither");
+    wrong("\"float g\" 1", "must lie between -1 and 1");
+    wrong("\"float scale\" -1", "must not be negative");
     refused("Material \"hair\"", "the material `hair` is not supported");
     refused("Material \"fourier\"", "the material `fourier` of pbrt-v3 is not supported");
     refused("Material \"wrong\"", "the material `wrong` is not known");

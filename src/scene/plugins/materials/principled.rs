@@ -1,5 +1,6 @@
-//! Readers of `principled` and `principledthin`.
+//! Readers of `principled` and `principledthin`, and of `difftrans`, which is a special case of the latter.
 
+use super::ior;
 use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
 use crate::Result;
 use crate::scene::bsdf::{Principled, PrincipledThin};
@@ -74,6 +75,30 @@ pub(super) fn thin(parameters: &mut Parameters) -> Result<PrincipledThin> {
         sheen_tint: share("sheen_tint")?,
         flatness: share("flatness")?,
         crossing,
+    })
+}
+
+/// Reads a `difftrans`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks: all light that is not absorbed passes diffusely. `int_ior`, which 0.6 does
+/// not have, is the index of refraction of a body from within which the surface is met, over `ext_ior`: radiance is its square times as high
+/// there. So the back of a body whose front is a dielectric keeps the energy.
+pub(super) fn diffuse_transmitter(parameters: &mut Parameters) -> Result<PrincipledThin> {
+    let mut base_color = parameters.reflectance("transmittance", DEFAULT_REFLECTANCE)?;
+    if parameters.properties.has("int_ior") {
+        let eta = ior::relative(&mut parameters.properties, "bk7")?;
+        base_color.value *= eta * eta;
+    }
+    let [none, all] = [0.0, 1.0].map(Textured::constant);
+    Ok(PrincipledThin {
+        base_color,
+        roughness: all,
+        anisotropic: none,
+        spec_trans: none,
+        eta: 1.5,
+        spec_tint: none,
+        sheen: none,
+        sheen_tint: none,
+        flatness: none,
+        crossing: all,
     })
 }
 

@@ -26,6 +26,7 @@ pub(super) const READERS: &[(&str, Reader)] = &[
     ("pplastic", polarized_plastic),
     ("principled", |parameters| principled::principled(parameters).map(Bsdf::Principled)),
     ("principledthin", |parameters| principled::thin(parameters).map(Bsdf::PrincipledThin)),
+    ("difftrans", |parameters| principled::diffuse_transmitter(parameters).map(Bsdf::PrincipledThin)),
     ("phong", lobes::phong),
     ("ward", lobes::ward),
 ];

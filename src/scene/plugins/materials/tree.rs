@@ -100,9 +100,21 @@ impl Tree {
         }
     }
 
-    /// Puts `twosided` around two BSDFs.
+    /// Puts `twosided` around two BSDFs. Mitsuba refuses those that transmit light; here each scatters on its own side as it does alone.
     pub fn sides(front: Self, back: Self) -> Result<Self, &'static str> {
-        Ok(Self::Sides { parts: Box::new([front.two_sided()?, back.two_sided()?]) })
+        Ok(Self::Sides { parts: Box::new([front.one_side()?, back.one_side()?]) })
+    }
+
+    /// The material as one side of a `twosided`.
+    fn one_side(self) -> Result<Self, &'static str> {
+        match self {
+            Self::Blend { weight, parts } => {
+                let [first, second] = *parts;
+                Ok(Self::Blend { weight, parts: Box::new([first.one_side()?, second.one_side()?]) })
+            }
+            Self::Surface(surface) if crosses(&surface) => Ok(Self::Surface(surface)),
+            other => other.two_sided(),
+        }
     }
 
     /// Puts a `bumpmap` or `normalmap` around the material.
@@ -139,6 +151,13 @@ impl Tree {
 }
 
 const NESTED_TWICE: &str = "`twosided` around a bump or normal map around another `twosided` is not supported";
+
+/// Whether the whole surface scatters light to its other side, and lets none go straight on.
+fn crosses(surface: &SurfaceMaterial) -> bool {
+    let scatters =
+        matches!(surface.bsdf, Bsdf::Dielectric { .. } | Bsdf::RoughDielectric { .. } | Bsdf::PrincipledThin(_));
+    scatters && surface.opacity == Textured::constant(1.0)
+}
 
 fn is_transmissive(surface: &SurfaceMaterial) -> bool {
     let transmits = match &surface.bsdf {
