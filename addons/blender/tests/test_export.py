@@ -258,10 +258,16 @@ def test_every_shader_renders() -> None:
         *([simple("metallic", "ShaderNodeBsdfMetallic")] if has_metallic else []),
         simple("refraction", "ShaderNodeBsdfRefraction", Roughness=0.2),
         simple("rough", "ShaderNodeBsdfDiffuse", Roughness=0.5),
+        simple("wax", p, Subsurface_Weight=1.0, Roughness=0.0),
+        simple("half wax", p, Subsurface_Weight=0.5, Alpha=0.5, Transmission_Weight=0.3, Metallic=0.2),
+        simple("dull wax", p, Subsurface_Weight=1.0, Specular_IOR_Level=0.0),
+        textured(p, "Subsurface_Weight", "Base_Color", "Roughness"),
+        simple("skin", "ShaderNodeSubsurfaceScattering"),
+        simple("leaf", "ShaderNodeBsdfTranslucent"),
         simple("tinted", "ShaderNodeBsdfTransparent", Color=(0.5, 0.6, 0.7)),
     ]
     for at, surface in enumerate(surfaces):
-        scenes.ball(scene, surface.name, 0.3, surface, location=(at % 4 - 1.5, at // 4 - 1.5, 0.3))
+        scenes.ball(scene, surface.name, 0.3, surface, location=(at % 5 - 2.0, at // 5 - 2.0, 0.3))
     image = support.colors(support.render(scene, "LODESTAR", 4, "shaders"))
     assert image.mean() > 0.1
 
