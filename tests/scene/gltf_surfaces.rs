@@ -168,10 +168,19 @@ fn bodies_absorb() {
     assert_eq!(medium.albedo, glam::Vec3::ZERO);
     assert!(scene.materials.iter().any(|material| material.boundary.is_some_and(|sides| sides.interior == Some(0))));
     assert!(body(volume(0.0, 2.0)).media.all.is_empty() && body(json!({"thicknessFactor": 1})).media.all.is_empty());
-    let sheet = read_with(json!({"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.3}}));
-    let share = sheet.materials.iter().find_map(|material| match material.kind {
-        MaterialKind::Blend { weight, .. } => Some(weight.value),
-        _ => None,
-    });
-    assert_eq!((share, sheet.media.all.len()), (Some(0.3), 0));
+    // What is metal lets no light through.
+    for (metal, expected) in [(0.0, 0.3), (0.75, 0.075)] {
+        let mut model = square();
+        model["extensionsUsed"] = json!(["KHR_materials_diffuse_transmission"]);
+        model["materials"][0] = json!({
+            "pbrMetallicRoughness": {"metallicFactor": metal},
+            "extensions": {"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.3}},
+        });
+        let sheet = read(&model).unwrap();
+        let share = sheet.materials.iter().find_map(|material| match material.kind {
+            MaterialKind::Blend { weight, .. } => Some(weight.value),
+            _ => None,
+        });
+        assert_eq!((share, sheet.media.all.len()), (Some(expected), 0));
+    }
 }

@@ -55,15 +55,21 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     closure, volume = Closure(), None
     if output is not None:
-        closure = _Translator(reader).shader(output.inputs["Surface"], ())
+        translator = _Translator(reader)
+        closure = translator.shader(output.inputs["Surface"], ())
         volume = volumes.translate(reader, output.inputs["Volume"], None)
         if volume is not None and reader.source(output.inputs["Surface"], ()) is None:
             closure.bsdf = xml.plugin("bsdf", "null")
         if closure.below is not None and closure.bsdf is not None:
-            covered = subsurface.around(closure.bsdf, reader.warn)
-            closure = Closure(covered or closure.bsdf, closure.emission, closure.below if covered is not None else None)
-            if volume is not None and covered is not None:
-                reader.warn("a volume below subsurface is not supported; it is left out")
+            covered = subsurface.around(closure.bsdf)
+            if covered is None:
+                reader.warn("subsurface beside holes is not supported; the surface is diffuse")
+                translator.has_subsurface = False
+                closure = translator.shader(output.inputs["Surface"], ())
+            else:
+                closure.bsdf = covered
+                if volume is not None:
+                    reader.warn("a volume below subsurface is not supported; it is left out")
         if reader.source(output.inputs["Displacement"], ()) is not None:
             reader.warn("displacement is not supported; it is left out")
     for kind, names in (("UV map", reader.uv_maps), ("color attribute", reader.color_attributes)):
@@ -136,6 +142,7 @@ class _Translator:
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
         self.images = reader.images
+        self.has_subsurface = True
         self.handlers: dict[str, Callable[[Any, Groups], Closure]] = {
             "BSDF_PRINCIPLED": self._principled,
             "BSDF_DIFFUSE": self._diffuse,
@@ -166,7 +173,7 @@ class _Translator:
         return Closure(diffuse(self.images, self.reader.color(color, groups) if color is not None else DEFAULT))
 
     def _principled(self, node: Any, groups: Groups) -> Closure:
-        bsdf, below = principled.translate(self.reader, node, groups)
+        bsdf, below = principled.translate(self.reader, node, groups, self.has_subsurface)
         strength = self.reader.constant(node.inputs["Emission Strength"], groups)
         emission = None
         if strength > 0.0:
@@ -176,6 +183,8 @@ class _Translator:
 
     def _subsurface(self, node: Any, groups: Groups) -> Closure:
         color: Union[Color, Texture] = self.reader.color(node.inputs["Color"], groups)
+        if not self.has_subsurface:
+            return Closure(self.relief(diffuse(self.images, color), node, groups))
         tint: Union[Color, Texture] = (1.0, 1.0, 1.0)
         if isinstance(color, Texture):
             tint = color.scaled((1.0 / subsurface.ALBEDO_BELOW_TEXTURES,) * 3)

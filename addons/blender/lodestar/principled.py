@@ -26,9 +26,9 @@ MOST_FILTER_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
-def translate(reader: Reader, node: Any, groups: Groups) -> tuple[xml.Element, Optional[Volume]]:
+def translate(reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> tuple[xml.Element, Optional[Volume]]:
     """BSDF of a Principled node, without its emission, and the medium below it. With a medium, the BSDF is that of the front."""
-    principled = _Principled(reader, node, groups)
+    principled = _Principled(reader, node, groups, has_subsurface)
     return principled.bsdf(), principled.medium
 
 
@@ -57,7 +57,7 @@ def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float,
 
 
 class _Principled:
-    def __init__(self, reader: Reader, node: Any, groups: Groups) -> None:
+    def __init__(self, reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> None:
         self.reader, self.node, self.groups, self.images = reader, node, groups, reader.images
         self.base = reader.color(node.inputs["Base Color"], groups)
         self.roughness = self._scalar("Roughness")
@@ -67,7 +67,7 @@ class _Principled:
         self.anisotropic = self._constant("Anisotropic")
         self.sheen = self._scalar("Sheen Weight")
         self.subsurface = self._scalar("Subsurface Weight")
-        self.medium = self._medium()
+        self.medium = self._medium() if has_subsurface else None
         self._report()
 
     def _scalar(self, name: str) -> Union[float, Texture]:

@@ -7,7 +7,6 @@ leaves. So does the renderer: the front of the surface is a dielectric, its back
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Optional
 
 from . import xml
@@ -87,21 +86,24 @@ def _leaving(front: xml.Element) -> xml.Element:
     leaving = xml.add(transmitting(), "transmittance", (1.0, 1.0, 1.0))
     index = next((part.find("float[@name='int_ior']") for part in front.iter("bsdf") if part.get("id") == ENTERING), None)
     if index is not None:
-        xml.add(xml.add(leaving, "int_ior", float(index.get("value", "1"))), "ext_ior", 1.0)
+        ior = float(index.get("value", "1"))
+        for part in front.iter("bsdf"):
+            if part.get("type") == "difftrans":
+                xml.add(xml.add(part, "int_ior", 1.0), "ext_ior", ior)
+        xml.add(xml.add(leaving, "int_ior", ior), "ext_ior", 1.0)
     return leaving
 
 
-def around(front: xml.Element, warn: Callable[[str], None]) -> Optional[xml.Element]:
+def around(front: xml.Element) -> Optional[xml.Element]:
     """Front of a surface with the back that light of the medium leaves by; None where the front has holes that it is not all in."""
     if front.get("type") == "mask":
         inner = next(child for child in front if child.tag == "bsdf")
-        covered = around(inner, warn)
+        covered = around(inner)
         if covered is not None:
             front[list(front).index(inner)] = covered
         return front if covered is not None else None
     front = _one_sided(front)
     if any(part.get("type") in ("mask", "null", "thindielectric") for part in front.iter("bsdf")):
-        warn("subsurface beside holes is not supported; what is below the surface is left out")
         return None
     leaving = _leaving(front)
     for part in front.iter("bsdf"):

@@ -74,6 +74,14 @@ def shader(tree: Any, kind: str, **inputs: Any) -> Any:
     return node
 
 
+def mixed(tree: Any, first: Any, second: Any) -> Any:
+    """Socket of a mixture of two shader nodes in equal parts."""
+    node = tree.nodes.new("ShaderNodeMixShader")
+    for part, socket in zip((first, second), node.inputs[1:]):
+        tree.links.new(part.outputs[0], socket)
+    return node.outputs[0]
+
+
 def simple(name: str, kind: str, **inputs: Any) -> Any:
     """Material of one shader node."""
     return material(name, lambda tree: shader(tree, kind, **inputs).outputs[0])

@@ -239,6 +239,9 @@ def test_every_shader_renders() -> None:
 
         return scenes.material(" ".join((kind, *names)), build)
 
+    def mixed(*kinds: str) -> Any:
+        return scenes.material(" ".join(kinds), lambda tree: scenes.mixed(tree, *(scenes.shader(tree, kind) for kind in kinds)))
+
     simple, p = scenes.simple, "ShaderNodeBsdfPrincipled"
     # Blender 4.2 has no Metallic BSDF.
     has_metallic = bpy.app.version >= (4, 3, 0)
@@ -264,6 +267,8 @@ def test_every_shader_renders() -> None:
         textured(p, "Subsurface_Weight", "Base_Color", "Roughness"),
         simple("skin", "ShaderNodeSubsurfaceScattering"),
         simple("leaf", "ShaderNodeBsdfTranslucent"),
+        mixed("ShaderNodeBsdfTranslucent", "ShaderNodeSubsurfaceScattering"),
+        mixed("ShaderNodeBsdfTransparent", "ShaderNodeSubsurfaceScattering"),
         simple("tinted", "ShaderNodeBsdfTransparent", Color=(0.5, 0.6, 0.7)),
     ]
     for at, surface in enumerate(surfaces):

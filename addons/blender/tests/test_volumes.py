@@ -93,7 +93,12 @@ def test_what_is_not_supported_is_reported(tmp_path: Path) -> None:
     scenes.ball(scene, "cloud", 0.5, volume_scenes.volume("cloud", build))
     textured = lambda t: scenes.shader(t, "ShaderNodeBsdfPrincipled", Subsurface_Weight=1.0, Base_Color=t.nodes.new("ShaderNodeTexNoise").outputs[1]).outputs[0]  # noqa: E731
     scenes.ball(scene, "skin", 0.5, scenes.material("skin", textured))
-    report = "\n".join(exported(tmp_path)[1])
+    kinds = "ShaderNodeBsdfTransparent", "ShaderNodeSubsurfaceScattering"
+    scenes.ball(scene, "holes", 0.5, scenes.material("holes", lambda t: scenes.mixed(t, *(scenes.shader(t, kind) for kind in kinds))))
+    root, warnings = exported(tmp_path)
+    report = "\n".join(warnings)
+    assert "subsurface beside holes is not supported; the surface is diffuse" in report
+    assert sum(bsdf.get("type") == "difftrans" for bsdf in root.iter("bsdf")) == 1
     assert "a density that is computed from place to place is not supported; it is 1 everywhere" in report
     assert "subsurface is a medium of the albedo 0.9" in report
 

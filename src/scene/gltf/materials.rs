@@ -157,7 +157,7 @@ impl<'a> Reader<'_, 'a> {
         // A dielectric body transmits from both sides already.
         let surface = if transmits { bsdf } else { two_sided(bsdf) };
         let surface = self.thin_transmission(surface, &base)?;
-        let surface = self.diffuse_transmission(surface);
+        let surface = self.diffuse_transmission(surface)?;
         let emitter = self.emitter(&base)?;
         Ok((self.masked(surface, &base)?, emitter, color_factor))
     }
@@ -320,14 +320,24 @@ impl<'a> Reader<'_, 'a> {
         Ok(object(Kind::Bsdf, "blendbsdf", parts))
     }
 
-    /// Mixes in what passes through diffusely.
-    fn diffuse_transmission(&self, surface: Object) -> Object {
-        let Some((share, sheet, has_textures)) = volume::diffuse_transmission(self.material) else { return surface };
+    /// Mixes in what passes through diffusely. Nothing passes through metal.
+    fn diffuse_transmission(&mut self, surface: Object) -> Result<Object> {
+        let Some((share, sheet, has_textures)) = volume::diffuse_transmission(self.material) else {
+            return Ok(surface);
+        };
         if has_textures {
             self.warn("the textures of KHR_materials_diffuse_transmission are ignored");
         }
-        let parts = [("weight", number(share)), ("opaque", nested(surface)), ("sheet", nested(sheet))];
-        object(Kind::Bsdf, "blendbsdf", parts)
+        let metallic = self.material.pbr_metallic_roughness();
+        let has_metal = self.material.pbr_specular_glossiness().is_none();
+        let metal = if has_metal { metallic.metallic_factor().clamp(0.0, 1.0) } else { 0.0 };
+        let texture = self.info(metallic.metallic_roughness_texture().filter(|_| metal > 0.0));
+        let factor = if texture.is_some() { share } else { share * (1.0 - metal) };
+        let tag = format!("dielectric{:08x}", metal.to_bits());
+        let weight =
+            self.number(texture.as_ref(), &tag, factor, |texel| u8::MAX - (metal * f32::from(texel[2])).round() as u8)?;
+        let parts = [("weight", weight), ("opaque", nested(surface)), ("sheet", nested(sheet))];
+        Ok(object(Kind::Bsdf, "blendbsdf", parts))
     }
 
     fn with_normals(&mut self, bsdf: Object) -> Result<Object> {

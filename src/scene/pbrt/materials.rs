@@ -121,7 +121,11 @@ impl<'l> Materials<'l> {
         let bsdf = match entity.kind.as_str() {
             "mix" => {
                 let parts = self.parts(entity, maker.textures, depth)?;
-                interior = parts.iter().find_map(|part| part.interior.clone());
+                let below: Vec<_> = parts.iter().filter_map(|part| part.interior.clone()).collect();
+                if below.len() > 1 && below[0] != below[1] {
+                    maker.warn("two media below one surface are not supported; the first part's is below both");
+                }
+                interior = below.into_iter().next();
                 mixture(&mut maker, &parts)?
             }
             "subsurface" => {

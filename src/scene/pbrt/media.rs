@@ -141,7 +141,7 @@ fn uniform_grid(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Obj
     Ok(medium.with("emission", rgb(emission)).with("emission_factor", nested(volume(entity, factor)?)))
 }
 
-/// Medium whose coefficients are multiplied by the density of a cloud. It is the same beyond the border of its box as at the border.
+/// Medium whose coefficients are multiplied by the density of a cloud. pbrt samples it between the corners of its box only.
 fn cloud(entity: &Entity, files: &mut Files) -> Result<Object> {
     let parameters = &entity.parameters;
     let (absorption, scattering) = coefficients(entity, files)?;
@@ -154,11 +154,8 @@ fn cloud(entity: &Entity, files: &mut Files) -> Result<Object> {
     let (low, high) = corners(entity)?;
     let grid = Grid::new(UVec3::splat(cloud::SIDE), false, cloud.values(low, high));
     let grid = grid.map_err(|message| entity.error(format!("the cloud {message}")))?;
-    let entries = [
-        ("sigma_a", rgb(absorption)),
-        ("sigma_s", rgb(scattering)),
-        ("density", nested(volume_beyond(entity, grid, "clamp")?)),
-    ];
+    let entries =
+        [("sigma_a", rgb(absorption)), ("sigma_s", rgb(scattering)), ("density", nested(volume(entity, grid)?))];
     Ok(object(Kind::Medium, "heterogeneous", entries))
 }
 
@@ -265,16 +262,12 @@ fn corners(entity: &Entity) -> Result<(DVec3, DVec3)> {
 
 /// The grid over the box of the medium. Beyond its border it is 0, as in pbrt.
 fn volume(entity: &Entity, grid: Grid) -> Result<Object> {
-    volume_beyond(entity, grid, "zero")
-}
-
-fn volume_beyond(entity: &Entity, grid: Grid, wrap: &str) -> Result<Object> {
     let (low, high) = corners(entity)?;
     let to_world = entity.to_world.matrix * DMat4::from_translation(low) * DMat4::from_scale(high - low);
     let entries = [
         ("grid", Value::Grid(Arc::new(grid))),
         ("to_world", matrix(&to_world)),
-        ("wrap_mode", Value::Text(wrap.to_owned())),
+        ("wrap_mode", Value::Text("zero".to_owned())),
     ];
     Ok(object(Kind::Volume, "gridvolume", entries))
 }

@@ -123,6 +123,9 @@ fn material(kind: &mut String, parameters: &mut Parameters) -> Result<bool> {
         }
         "kdsubsurface" => {
             parameters.rename("Kd", "reflectance");
+            parameters.default("rgb", "reflectance", Values::Numbers(vec![0.5; 3]));
+            ["Kr", "Kt"].iter().for_each(|name| _ = parameters.remove(name));
+            roughness(parameters, 0.0)?;
             "subsurface"
         }
         "hair" => {

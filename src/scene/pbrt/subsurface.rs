@@ -28,6 +28,12 @@ pub(super) fn read(maker: &mut Maker) -> Result<(Object, Object)> {
     let parameters = &maker.entity.parameters;
     let g = match parameters.get("g") {
         None => 0.0,
+        Some(parameter) if parameters.has("name") => {
+            if parameter.number()? != 0.0 {
+                maker.warn("`g` is ignored beside `name`, as in pbrt: media with names scatter evenly");
+            }
+            0.0
+        }
         Some(parameter) => match parameter.number()? {
             g if g.abs() < 1.0 => g,
             g => return Err(parameter.error(format!("must lie between -1 and 1, but is {g}"))),

@@ -1,7 +1,7 @@
 //! Materials.
 
 use glam::Vec3;
-use lodestar::scene::{Bsdf, MaterialKind};
+use lodestar::scene::{Bsdf, MaterialKind, Phase, PhaseLobe};
 
 use super::{assert_close, bsdf, surface, world};
 
@@ -147,7 +147,14 @@ fn subsurface_is_a_medium_below_a_dielectric() {
     let medium = |parameters: &str| below(parameters).media.all[0].clone();
     let milk = below("\"float roughness\" 0");
     assert!(matches!(bsdf(&milk), Bsdf::Dielectric { eta, .. } if (eta - 1.33).abs() < 1e-6));
-    let named = medium("\"string name\" \"Ketchup\" \"float scale\" 2");
+    let named = below("\"string name\" \"Ketchup\" \"float scale\" 2 \"float g\" 0.5");
+    assert!(
+        named.warnings.iter().any(|warning| warning.contains("`g` is ignored beside `name`")),
+        "{:?}",
+        named.warnings
+    );
+    let named = &named.media.all[0];
+    assert_eq!(named.phase, Phase::of_lobe(PhaseLobe::HenyeyGreenstein(0.0)));
     assert!((named.extinction - 2.0 * Vec3::new(0.241, 1.04, 1.48)).length() < 1e-5, "{named:?}");
     let given = medium("\"rgb sigma_a\" [ 1 2 3 ] \"rgb sigma_s\" [ 3 2 1 ] \"float g\" 0.5");
     assert_eq!((given.extinction, given.albedo.x), (Vec3::splat(4.0), 0.75));

@@ -38,6 +38,11 @@ fn materials_become_those_of_v4() {
     assert!(matches!(bsdf(&dull), Bsdf::Diffuse { reflectance } if reflectance.value == Vec3::splat(0.25)));
     let glass = with("Material \"glass\" \"float index\" 1.3 \"rgb Kr\" [ 1 1 1 ]");
     assert!(matches!(bsdf(&glass), Bsdf::Dielectric { eta, .. } if (eta - 1.3).abs() < 1e-6));
+    let skin = with("Material \"kdsubsurface\" \"rgb mfp\" [ 2 2 2 ] \"rgb Kr\" [ 1 1 1 ] \"float roughness\" 0.1");
+    assert!(
+        matches!(bsdf(&skin), Bsdf::RoughDielectric { microfacets, .. } if (microfacets.alpha_u.value - 0.46176).abs() < 1e-4)
+    );
+    assert_eq!(skin.media.all[0].extinction, Vec3::splat(0.5));
     assert!(matches!(bsdf(&with("Material \"substrate\"")), Bsdf::RoughPlastic { .. }));
     assert!(matches!(bsdf(&with("Material \"metal\"")), Bsdf::RoughConductor { .. }));
     let Bsdf::Conductor { eta, k, .. } = *bsdf(&with("Material \"mirror\" \"rgb Kr\" [ 0.5 0.5 0.5 ]")) else {
