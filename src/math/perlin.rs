@@ -20,19 +20,16 @@ pub const PERMUTATION: [u8; 256] = [
 /// Noise at a point (Perlin 2002).
 pub fn noise(p: DVec3) -> f64 {
     let cell = p.floor();
-    let hash = |corner: DVec3| {
-        corner.to_array().iter().fold(0usize, |hash, coordinate| {
-            let index = (hash + coordinate.rem_euclid(256.0) as usize) % 256;
-            usize::from(PERMUTATION[index])
-        })
-    };
-    let fade = |t: f64| 6.0 * t.powi(5) - 15.0 * t.powi(4) + 10.0 * t.powi(3);
+    let within = p - cell;
+    let lattice = cell.to_array().map(|coordinate| coordinate.rem_euclid(256.0) as usize);
+    let fades = within.to_array().map(|t| t * t * t * (t * (6.0 * t - 15.0) + 10.0));
     let mut sum = 0.0;
     for corner in 0..8 {
-        let offset = DVec3::from_array([0, 1, 2].map(|axis| f64::from(corner >> axis & 1)));
-        let d = p - cell - offset;
+        let offset = [0, 1, 2].map(|axis| corner >> axis & 1);
+        let hash = |hash: usize, axis: usize| usize::from(PERMUTATION[(hash + lattice[axis] + offset[axis]) % 256]);
+        let d = within - DVec3::from_array(offset.map(|one| one as f64));
         // The twelve edges of a cube, four of them twice.
-        let gradient = match hash(cell + offset) & 15 {
+        let gradient = match (0..3).fold(0, hash) & 15 {
             0 | 12 => DVec3::new(1.0, 1.0, 0.0),
             1 | 13 => DVec3::new(-1.0, 1.0, 0.0),
             2 => DVec3::new(1.0, -1.0, 0.0),
@@ -46,8 +43,8 @@ pub fn noise(p: DVec3) -> f64 {
             10 | 14 => DVec3::new(0.0, 1.0, -1.0),
             _ => DVec3::new(0.0, -1.0, -1.0),
         };
-        let weight: f64 = (0..3).map(|axis| fade(1.0 - d[axis].abs())).product();
-        sum += weight * gradient.dot(d);
+        let share = |axis: usize| if offset[axis] == 1 { fades[axis] } else { 1.0 - fades[axis] };
+        sum += share(0) * share(1) * share(2) * gradient.dot(d);
     }
     sum
 }
