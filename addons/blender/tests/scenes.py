@@ -67,7 +67,7 @@ def shader(tree: Any, kind: str, **inputs: Any) -> Any:
         if isinstance(value, bpy.types.NodeSocket):
             tree.links.new(value, socket)
         else:
-            socket.default_value = (*value, 1.0) if isinstance(value, tuple) and len(value) == 3 else value
+            socket.default_value = (*value, 1.0) if socket.type == "RGBA" and len(value) == 3 else value
     if hasattr(node, "distribution") and kind != "ShaderNodeBsdfHair":
         # Cycles' default adds light that single reflections lose. Lodestar does not.
         node.distribution = "GGX"
