@@ -139,24 +139,23 @@ def smoke(folder: Path) -> Any:
 
 
 def wax() -> Any:
-    """Subsurface of a Principled: of different methods, weights, roughness and radii."""
+    """Subsurface of different weights, roughness and radii, and that of the node of its own."""
     scene = stage()
     colors = dict(Subsurface_Radius=(1.0, 0.4, 0.2), IOR=1.4)
 
-    def look(name: str, method: str, **inputs: Any) -> Any:
+    def look(name: str, **inputs: Any) -> Any:
         def build(tree: Any) -> Any:
             made = scenes.shader(tree, "ShaderNodeBsdfPrincipled", **colors, **inputs)
-            made.subsurface_method = method
+            made.subsurface_method = "RANDOM_WALK"
             return made.outputs[0]
 
         return scenes.material(name, build)
 
     whole = dict(Subsurface_Weight=1.0, Subsurface_Scale=1.0)
     ball = lambda name, made, at: scenes.ball(scene, name, 0.6, made, location=at)  # noqa: E731
-    ball("walk", look("walk", "RANDOM_WALK", Base_Color=(0.8, 0.6, 0.4), Roughness=0.4, **whole), (-1.5, 0, 0.7))
-    ball("skin", look("skin", "RANDOM_WALK_SKIN", Base_Color=(0.8, 0.5, 0.4), Roughness=0.3, Subsurface_Anisotropy=0.5, Subsurface_Weight=1.0, Subsurface_Scale=0.3), (0, 0, 0.7))
+    ball("walk", look("walk", Base_Color=(0.8, 0.6, 0.4), Roughness=0.4, **whole), (-1.5, 0, 0.7))
     half = dict(Subsurface_Weight=0.5, Subsurface_Scale=0.5, Roughness=0.1, Base_Color=(0.3, 0.7, 0.4))
-    ball("half", look("half", "RANDOM_WALK", **half), (1.5, 0, 0.7))
+    ball("half", look("half", **half), (1.5, 0, 0.7))
     node = scenes.simple("node", "ShaderNodeSubsurfaceScattering", Color=(0.9, 0.7, 0.5), Radius=(1.0, 0.5, 0.25), Scale=0.6)
     scenes.ball(scene, "node", 0.4, node, location=(0.6, -1.4, 0.45))
     return scene
