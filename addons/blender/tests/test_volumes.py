@@ -46,6 +46,16 @@ def test_agrees_with_cycles(name: str, samples: int, block: float, whole: float)
     assert found < block and abs(ratio - 1.0) < whole
 
 
+def test_skin_has_the_figure_of_its_warning(tmp_path: Path) -> None:
+    """A ball of skin is darker than in Cycles, by at most as much as the report says."""
+    volume_scenes.skin()
+    assert "up to 9 % darker than in Cycles" in "\n".join(exported(tmp_path)[1])
+    theirs, ours = (picture(volume_scenes.skin(), engine, 256, "skin")[12:20, 12:20] for engine in ("CYCLES", "LODESTAR"))
+    ratios = ours.mean(axis=(0, 1)) / theirs.mean(axis=(0, 1))
+    print(f"skin: {ratios}")
+    assert (ratios < 0.97).all() and (ratios > 0.90).all()
+
+
 def exported(folder: Path) -> tuple[ElementTree.Element, list[str]]:
     """Scene file and warnings of the current scene."""
     found = export.export(bpy.context.evaluated_depsgraph_get(), folder, export.Options())

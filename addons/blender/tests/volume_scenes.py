@@ -159,3 +159,17 @@ def wax() -> Any:
     node = scenes.simple("node", "ShaderNodeSubsurfaceScattering", Color=(0.9, 0.7, 0.5), Radius=(1.0, 0.5, 0.25), Scale=0.6)
     scenes.ball(scene, "node", 0.4, node, location=(0.6, -1.4, 0.45))
     return scene
+
+
+def skin() -> Any:
+    """A ball of skin that fills the middle of the picture."""
+    scene = stage()
+
+    def build(tree: Any) -> Any:
+        inputs = dict(Base_Color=(0.8, 0.5, 0.4), Roughness=0.3, Subsurface_Radius=(1.0, 0.4, 0.2), IOR=1.4)
+        made = scenes.shader(tree, "ShaderNodeBsdfPrincipled", Subsurface_Weight=1.0, Subsurface_Scale=0.3, Subsurface_Anisotropy=0.5, **inputs)
+        made.subsurface_method = "RANDOM_WALK_SKIN"
+        return made.outputs[0]
+
+    scenes.ball(scene, "skin", 0.9, scenes.material("skin", build), location=(0, 0, 0.9))
+    return scene
