@@ -5,9 +5,9 @@ use super::parameters::{Parameter, Parameters, Values};
 use crate::Result;
 
 /// Warning about a file of pbrt-v3, once for a scene.
-pub(super) const WARNING: &str =
-    "the scene is one of pbrt-v3; it is read as `pbrt --upgrade` would make it: its plastics look a little different, its \
-     `disney` materials are diffuse, and the `sigma` of `matte` and the `Kr` and `Kt` of `glass` and `uber` are left out";
+pub(super) const WARNING: &str = "the scene is one of pbrt-v3; it is read as `pbrt --upgrade` would make it: its \
+     plastics look a little different, its `disney` materials are diffuse, and the `sigma` of `matte` and the `Kr` and \
+     `Kt` of `glass` and `uber` are left out";
 
 /// Factor of the colors of v3's plastics where the file gives none.
 const PLASTIC: f64 = 0.25;
