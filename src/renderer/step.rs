@@ -11,6 +11,7 @@ use crate::renderer::learn::Learning;
 use crate::renderer::phases::{Batch, Phase, phases, sample_index};
 use crate::renderer::statistics::{Counts, StepReport};
 use crate::renderer::trace::slices::Slice;
+use crate::renderer::trace::tracer::Tracer;
 use crate::{Error, Result};
 
 /// A step that has begun.
@@ -180,14 +181,19 @@ impl Renderer {
         }
     }
 
+    /// Error of a loop that the driver has cut. A wave's kernels have one edge of a path each, so their loops are short.
     fn overrun_error(&self) -> Error {
         let fewer = match self.settings.samples_per_dispatch {
             1 => String::new(),
             samples => format!("--samples-per-dispatch below {samples} or "),
         };
+        let waves = match self.tracer {
+            Tracer::Megakernel(_) if self.settings.check_wavefront().is_ok() => "--execution wavefront or ",
+            _ => "",
+        };
         Error::LoopCut(format!(
             "the driver of {} ended a loop of a kernel before its end, so pixels would come out dark: render again with \
-             {fewer}a smaller --max-depth",
+             {fewer}{waves}a smaller --max-depth",
             self.context.device().name,
         ))
     }

@@ -31,6 +31,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::{env, fs};
 
+use lodestar::Error;
 use lodestar::encode::bvh::Bvh;
 use lodestar::encode::surfaces::Surfaces;
 use lodestar::generated::kernels::{Registry, Variant};
@@ -105,15 +106,28 @@ impl<'a> Job<'a> {
         Self { case, method, scene, settings, bvh, variant }
     }
 
+    /// Renders the picture. Where a driver ends the loops of long paths, the render begins again with fewer samples per
+    /// dispatch, as the program's does.
     fn render(&self, context: &Arc<Context>, registry: &Registry, spp: u32) -> Blocks {
         let surfaces = Surfaces::new(&self.scene);
         let mut renderer = Renderer::with_surfaces(context, &self.scene, surfaces, &self.bvh, &self.settings, registry)
             .unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
+        let mut at_once = self.settings.samples_per_dispatch;
         while renderer.samples_done() < spp {
             let samples = renderer.samples_of_next_step().min(spp - renderer.samples_done());
-            let report =
-                renderer.step(samples, &|| false).unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
-            assert_eq!((report.counts.nonfinite, report.counts.overruns), (0, 0), "{}", self.case.name);
+            let again = match renderer.step(samples, &|| false) {
+                Ok(report) => {
+                    assert_eq!((report.counts.nonfinite, report.counts.overruns), (0, 0), "{}", self.case.name);
+                    continue;
+                }
+                Err(Error::LoopCut(_)) if at_once > 1 => {
+                    at_once /= 2;
+                    println!("{}: begins again with {at_once} samples per dispatch", self.case.name);
+                    renderer.begin_again(at_once, None)
+                }
+                Err(error) => Err(error),
+            };
+            again.unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
         }
         Blocks::of(&renderer.picture().expect("a picture"))
     }

@@ -239,6 +239,7 @@ fn a_driver_s_loop_budget_is_an_error_and_no_dark_picture() {
                 println!("{sentence}");
                 assert!(sentence.contains("ended a loop of a kernel before its end"), "{sentence}");
                 assert!(sentence.contains("--samples-per-dispatch below 64"), "{sentence}");
+                assert!(sentence.contains("or --execution wavefront or a smaller --max-depth"), "{sentence}");
             }
             Err(other) => panic!("{other}"),
             Ok(report) => {
