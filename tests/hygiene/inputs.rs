@@ -3,7 +3,7 @@
 use crate::source::Source;
 
 /// Calls that open a file for reading.
-const OPENERS: [&str; 9] = [
+const OPENERS: [&str; 8] = [
     "File::open(",
     "OpenOptions::",
     "fs::read(",
@@ -11,7 +11,6 @@ const OPENERS: [&str; 9] = [
     "image::open(",
     "ImageReader::open(",
     "from_file(",
-    "tobj::load_obj(",
     "gltf::import(",
 ];
 
