@@ -12,7 +12,7 @@ use super::fault::failed;
 use super::layout::PipelineLayout;
 use super::pipelines::{Pipeline, PipelineKey};
 use crate::generated::interface::KernelSource;
-use crate::spirv::specialization::resolve_branches;
+use crate::spirv::specialization::specialized;
 use crate::{Error, Result};
 
 /// Kernel of a context: its pipeline, and the layout that its sets must have.
@@ -150,7 +150,7 @@ impl ShaderModule {
         let call = format!("loading the kernel `{}`", source.name);
         let words = ash::util::read_spv(&mut Cursor::new(&source.spirv))
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
-        let words = resolve_branches(&words, constants).unwrap_or(words);
+        let words = specialized(&words, constants).unwrap_or(words);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: invariant 1: the device is alive, and `words` is a local that holds SPIR-V (see `KernelSource`).
         let raw = unsafe { context.raw().create_shader_module(&info, None) }.map_err(failed(call))?;

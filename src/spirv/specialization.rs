@@ -7,6 +7,7 @@
 
 mod blocks;
 mod code;
+mod compact;
 mod values;
 
 use std::collections::HashMap;
@@ -14,11 +15,19 @@ use std::collections::HashMap;
 use rspirv::spirv::{Decoration, Op, Word};
 
 use code::{Instruction, Module, is};
+use compact::compact;
 use values::Values;
+
+/// Words that a driver gets for a kernel with these constants, given as (id, bits): without the code that they leave out, and without
+/// gaps in the numbers of ids. `None` where the module cannot be read, which the driver will report.
+pub fn specialized(words: &[Word], constants: &[(u32, u32)]) -> Option<Vec<Word>> {
+    let resolved = resolve_branches(words, constants)?;
+    Some(compact(&resolved).unwrap_or(resolved))
+}
 
 /// Decides every branch that the constants, given as (id, bits), decide, and removes blocks that are then unreachable.
 /// Returns the words of the new module; `None` where the module cannot be read, which the driver will report.
-pub fn resolve_branches(words: &[Word], constants: &[(u32, u32)]) -> Option<Vec<Word>> {
+fn resolve_branches(words: &[Word], constants: &[(u32, u32)]) -> Option<Vec<Word>> {
     let mut module = Module::parse(words)?;
     let spec_ids = spec_ids(&module.globals);
     let constants: HashMap<u32, u32> = constants.iter().copied().collect();
@@ -88,7 +97,14 @@ mod tests {
         for source in BackEnd::ALL.into_iter().flat_map(|back_end| registry.kernels(back_end).iter()) {
             let before = words(source);
             for variant in variants() {
-                let after = resolve_branches(&before, &variant.entries()).expect("SPIR-V");
+                let after = specialized(&before, &variant.entries()).expect("SPIR-V");
+                let ids = Module::parse(&after).expect("SPIR-V").defined().iter().filter(|defined| **defined).count();
+                assert_eq!(
+                    after[code::BOUND] as usize,
+                    ids + 1,
+                    "{}: each number below the bound is an id",
+                    source.file
+                );
                 let counts = [&before, &after].map(|words| block_count(words));
                 println!("{}: {} blocks, {} left", source.file, counts[0], counts[1]);
                 assert!(counts[1] <= counts[0]);
@@ -107,8 +123,18 @@ mod tests {
     #[test]
     fn a_second_time_changes_nothing() {
         let constants = Variant::default().entries();
-        let once = resolve_branches(&words(&Registry::built_in().texel.trace), &constants).expect("SPIR-V");
-        assert!(resolve_branches(&once, &constants).expect("SPIR-V") == once);
+        let once = specialized(&words(&Registry::built_in().texel.trace), &constants).expect("SPIR-V");
+        assert!(specialized(&once, &constants).expect("SPIR-V") == once);
+    }
+
+    #[test]
+    fn an_unknown_instruction_keeps_its_ids() {
+        let mut words = words(&Registry::built_in().texel.judge_noise);
+        let resolved = |words: &[u32]| resolve_branches(words, &[]).expect("SPIR-V");
+        assert!(specialized(&words, &[]).expect("SPIR-V")[code::BOUND] <= resolved(&words)[code::BOUND]);
+        // No operation has this number.
+        words.splice(5..5, [1 << 16 | 0xfffe]);
+        assert!(specialized(&words, &[]).expect("SPIR-V") == resolved(&words));
     }
 
     #[test]

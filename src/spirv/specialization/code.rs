@@ -9,7 +9,7 @@ use rspirv::spirv::{MAGIC_NUMBER, Op, Word};
 
 /// Words of a module's header. The fourth is the bound of ids.
 const HEADER_WORDS: usize = 5;
-const BOUND: usize = 3;
+pub(super) const BOUND: usize = 3;
 /// Largest bound that SPIR-V allows (SPIR-V specification, 2.17).
 const MAX_BOUND: Word = 4_194_303;
 

@@ -7,15 +7,18 @@ use super::code::{self, Instruction};
 /// Words of an instruction before its operands: the first, the type and the id of its result.
 const OPERANDS: usize = 3;
 
-/// Known values by result id.
+/// Number of ids that a page has.
+const PAGE_IDS: usize = 64;
+
+/// Known values by result id, in pages: few of the ids below the bound are in use, and few of their values are known.
 #[derive(Debug, Clone)]
-pub(super) struct Values(Vec<Option<u32>>);
+pub(super) struct Values(Vec<Option<Box<[Option<u32>; PAGE_IDS]>>>);
 
 impl Values {
     /// Values of a module's constants, whose ids are below `bound`; `specialized` gives the bits of the specialization constants that are
     /// set.
     pub fn of_globals(globals: &[Instruction], bound: Word, specialized: impl Fn(Word) -> Option<u32>) -> Self {
-        let mut values = Self(vec![None; bound as usize]);
+        let mut values = Self(vec![None; (bound as usize).div_ceil(PAGE_IDS)]);
         for instruction in globals {
             let chosen = || specialized(code::result(instruction)?);
             let value = match Op::from_u32(code::operation(instruction)) {
@@ -37,7 +40,7 @@ impl Values {
     }
 
     pub fn get(&self, id: Word) -> Option<u32> {
-        self.0.get(id as usize).copied().flatten()
+        self.0.get(id as usize / PAGE_IDS)?.as_ref()?[id as usize % PAGE_IDS]
     }
 
     /// Notes the result of a function's instruction, where it is known.
@@ -54,9 +57,9 @@ impl Values {
     }
 
     fn insert(&mut self, instruction: &[Word], value: Option<u32>) {
-        let place = code::result(instruction).and_then(|id| self.0.get_mut(id as usize));
-        if let (Some(place), Some(value)) = (place, value) {
-            *place = Some(value);
+        let (Some(id), Some(value)) = (code::result(instruction), value) else { return };
+        if let Some(page) = self.0.get_mut(id as usize / PAGE_IDS) {
+            page.get_or_insert_with(|| Box::new([None; PAGE_IDS]))[id as usize % PAGE_IDS] = Some(value);
         }
     }
 
