@@ -16,7 +16,7 @@ const MOST_LEFT_BEHIND: usize = 1000;
 /// Command that makes a folder and those above it.
 const MAKE_FOLDER: &str = if cfg!(windows) { "mkdir" } else { "mkdir -p" };
 /// Endings of the pictures that a render writes.
-pub const PICTURE_ENDINGS: [&str; 2] = ["exr", "png"];
+pub const PICTURE_ENDINGS: [&str; 7] = ["exr", "png", "jpg", "jpeg", "tif", "tiff", "hdr"];
 
 /// Number of temporary files made so far; it makes each temporary name unique within the process.
 static TEMPORARY_COUNT: AtomicU32 = AtomicU32::new(0);

@@ -16,7 +16,7 @@ _PictureLike: TypeAlias = Picture | _Path | npt.NDArray[Any]
 _Floats: TypeAlias = npt.NDArray[np.float32]
 _Doubles: TypeAlias = npt.NDArray[np.float64]
 _Counts: TypeAlias = npt.NDArray[np.uint32]
-_Tone: TypeAlias = Literal["srgb", "paper"]
+_Tone: TypeAlias = Literal["srgb", "paper", "agx", "filmic", "aces"]
 
 # --- keywords: written from the table of options by tests/test_stubs.py
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use lodestar::denoise::{DenoiseOptions, Denoiser, DeviceKind};
 use lodestar::film::{self, Precision};
+use lodestar::image::canvas::{Canvas, Format};
 use lodestar::image::{ToneCurve, png};
 use lodestar::{Error, files};
 use pyo3::prelude::*;
@@ -150,23 +151,27 @@ impl Picture {
     /// Parameters
     /// ----------
     /// path : path
-    ///     A name in `.exr` keeps all layers and the header, a name in `.png` is for viewers.
-    /// tone : 'srgb' or 'paper'
-    ///     Tone curve of a PNG file.
+    ///     A name in `.exr` keeps all layers and the header, a name in `.png`, `.jpg` or `.tif` is for viewers, and a name in `.hdr` has
+    ///     linear colors.
+    /// tone : 'srgb', 'paper', 'agx', 'filmic' or 'aces'
+    ///     Tone curve of a file for viewers.
     /// exposure : float
-    ///     Exposure of a PNG file in stops.
+    ///     Exposure of a file for viewers in stops.
     /// half : bool
     ///     Whether the colors of an EXR file are half floats.
     #[pyo3(signature = (path, *, tone = "srgb", exposure = 0.0, half = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, tone: &str, exposure: f32, half: bool) -> PyResult<()> {
         let tone = tone_of(tone)?;
-        let write = || match () {
-            () if files::has_extension(&path, "png") => png::write(&path, &self.picture.image(), tone, exposure),
-            () if files::has_extension(&path, "exr") => {
+        let write = || match Format::of(&path) {
+            Some(format) => Canvas::of_image(format, &self.picture.image(), tone, exposure).write(&path),
+            None if files::has_extension(&path, "exr") => {
                 let precision = if half { Precision::Half } else { Precision::Float };
                 film::write_picture_as(&path, &self.picture, &self.attributes, precision)
             }
-            () => Err(Error::Settings(format!("{}: the name must end in .exr or .png", path.display()))),
+            None => {
+                let message = "the name must end in .exr, .png, .jpg, .tif or .hdr";
+                Err(Error::Settings(format!("{}: {message}", path.display())))
+            }
         };
         detached(py, write)?.map_err(raised)
     }
@@ -229,6 +234,9 @@ fn tone_of(name: &str) -> PyResult<ToneCurve> {
     match name {
         "srgb" => Ok(ToneCurve::Srgb),
         "paper" => Ok(ToneCurve::Paper),
-        _ => Err(refused(format!("invalid value '{name}' for `tone`: give one of srgb, paper"))),
+        "agx" => Ok(ToneCurve::Agx),
+        "filmic" => Ok(ToneCurve::Filmic),
+        "aces" => Ok(ToneCurve::Aces),
+        _ => Err(refused(format!("invalid value '{name}' for `tone`: give one of srgb, paper, agx, filmic, aces"))),
     }
 }

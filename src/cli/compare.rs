@@ -5,17 +5,19 @@ use std::process::ExitCode;
 
 use lodestar::image::comparison::Comparison;
 use lodestar::image::report::{Report, ReportPicture};
-use lodestar::image::{Image, ToneCurve, exr};
+use lodestar::image::{Image, ToneCurve, color, exr};
 use lodestar::settings::options::form::finite;
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
-use super::print::{print_json, print_line};
+use super::print::{print_json, print_line, report};
 
 /// Layer that the report shows beside the radiance.
 const DENOISED: &str = "denoised";
 
-/// Measures the errors of EXR pictures against a reference.
+/// Measures the errors of pictures against a reference.
+///
+/// Pictures are EXR files. A .png or .jpg file has 8 bits per channel, which are made linear, and is told.
 ///
 /// --html writes one page that needs no other file: it flips between the pictures, splits them, and shows their error maps. A
 /// picture with a layer denoised stands there twice, with and without.
@@ -56,15 +58,19 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let Some((reference_path, paths)) = args.pictures.split_last() else { return Ok(ExitCode::SUCCESS) };
     let read = |path: &PathBuf| match &args.layer {
         Some(layer) => exr::read_layer(path, layer),
-        None => exr::read_rgb(path),
+        None => color(path),
     };
     let images = paths.iter().map(read).collect::<Result<Vec<_>>>()?;
-    let reference = exr::read_rgb(reference_path)?;
+    let reference = color(reference_path)?;
     let layer = args.layer.as_ref().map_or_else(String::new, |layer| format!(", {layer}"));
     let mut pictures = Vec::new();
     for (path, image) in paths.iter().zip(images) {
         pictures.push(compare(path, &layer, image, &reference, reference_path)?);
-        if args.html.is_some() && args.layer.is_none() && has_layer(path, DENOISED)? {
+        if args.html.is_some()
+            && args.layer.is_none()
+            && files::has_extension(path, "exr")
+            && has_layer(path, DENOISED)?
+        {
             let image = exr::read_layer(path, DENOISED)?;
             pictures.push(compare(path, &format!(", {DENOISED}"), image, &reference, reference_path)?);
         }
@@ -82,6 +88,13 @@ fn compare(path: &Path, layer: &str, image: Image, reference: &Image, reference_
         Error::Settings(format!("{}{layer} against {}: {error}", path.display(), reference_path.display()))
     })?;
     Ok(ReportPicture { name: format!("{}{layer}", path.display()), image, errors, flip })
+}
+
+/// Color of a picture. What its format lacks is told.
+fn color(path: &PathBuf) -> Result<Image> {
+    let (image, note) = color::read(path)?;
+    note.iter().for_each(|note| report("note", note));
+    Ok(image)
 }
 
 fn has_layer(path: &Path, layer: &str) -> Result<bool> {

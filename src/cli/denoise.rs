@@ -13,7 +13,7 @@ use super::print::{print_message, report};
 
 /// Denoises an EXR picture by Intel's Open Image Denoise 2.x.
 ///
-/// An .exr file gets all channels of the picture, unchanged, and the layer denoised. A .png file shows the denoised layer. The
+/// An .exr file gets all channels of the picture, unchanged, and the layer denoised. Other files show the denoised layer. The
 /// layers albedo and normal guide the denoiser where the picture has them. A denoised picture is biased. The library is not part
 /// of Lodestar: `./setup.sh --oidn` unpacks the official build.
 #[derive(Debug, clap::Args)]
@@ -22,7 +22,7 @@ pub struct DenoiseArgs {
     /// The picture.
     #[arg(value_name = "IN.exr")]
     picture: PathBuf,
-    /// File to write, .exr or .png; may be given several times.
+    /// File to write: .exr, .png, .jpg, .tif or .hdr; may be given several times.
     #[arg(short, long, value_name = "FILE", required = true, value_parser = output_path)]
     output: Vec<PathBuf>,
     #[arg(long, value_enum)]

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use lodestar::film::PIXEL_BYTES;
 use lodestar::scene::summary::{Guided, Summary, summarize};
 use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, load, scene_file};
 use lodestar::session::saved_guide::SavedGuide;
@@ -44,10 +45,23 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
     let scene = load(&scene_file(&args.scene)?, &options)?;
     let summary = summarize(&scene);
     match args.json {
-        true => print_json(&summary)?,
+        true => print_json(&WithFilm { film_bytes: film_bytes(&summary), summary: &summary })?,
         false => print_line(describe(&summary).trim_end())?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Summary with the memory of a film of the scene's size.
+#[derive(serde::Serialize)]
+struct WithFilm<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    film_bytes: u64,
+}
+
+/// Bytes of the scene's film on a device.
+fn film_bytes(summary: &Summary) -> u64 {
+    u64::from(summary.width) * u64::from(summary.height) * PIXEL_BYTES
 }
 
 /// Reads the guide and prints what it knows.
@@ -140,6 +154,13 @@ fn describe(summary: &Summary) -> String {
     for image in &summary.images {
         let _ = writeln!(text, "  {}: {} x {}, {}", image.name, image.width, image.height, quoted::size(image.bytes));
     }
+    let film = film_bytes(summary);
+    let [all, of_film] = [film + summary.geometry_bytes + summary.image_bytes, film].map(quoted::size);
+    let _ = writeln!(
+        text,
+        "memory of a render on its device: about {all}, of which the film of this size takes {of_film}; the guide and the program come on \
+         top, and on the host a copy of up to 4 million pixels"
+    );
     let _ = writeln!(text, "warnings: {}", summary.warnings.len());
     for warning in &summary.warnings {
         let _ = writeln!(text, "  {warning}");

@@ -11,7 +11,6 @@ use lodestar::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
 use lodestar::scene::{self, Scene};
 use lodestar::session::{Options, identity};
 use lodestar::settings::Settings;
-use lodestar::settings::options::form::output_path;
 use lodestar::{Error, Result, files};
 
 use super::given::{Given, OfMap};
@@ -30,7 +29,7 @@ pub struct RadianceArgs {
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: [u32; 2],
     /// File to write, .exr (radiance) or .png (false colors); may be given several times.
-    #[arg(short, long, value_name = "FILE", required = true, value_parser = output_path)]
+    #[arg(short, long, value_name = "FILE", required = true, value_parser = map_path)]
     output: Vec<PathBuf>,
     /// Samples per pixel to learn from; with --truth, samples per pixel of each of six views around the point.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
@@ -108,6 +107,13 @@ fn write(path: &Path, map: &[f32], settings: &Settings, attributes: &[(String, S
     let radiance = map.iter().map(|&value| [value; 3]).collect();
     let picture = Picture { radiance, ..Picture::empty(side, side, [0, 0], [side, side]) };
     film::write_picture(path, &picture, attributes)
+}
+
+/// Path of a map to write.
+fn map_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_map = ["exr", "png"].iter().any(|ending| files::has_extension(&path, ending));
+    is_map.then_some(path).ok_or_else(|| "the name must end in .exr or .png".into())
 }
 
 fn pixel(text: &str) -> Result<[u32; 2], String> {

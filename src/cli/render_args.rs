@@ -138,7 +138,7 @@ impl<S: Subset> Given<S> {
             (None, None, None) => FilmSize::OfScene,
         };
         let options = options.film_size(size);
-        let options = with(options, self.value("crop", form::crop), Options::crop);
+        let options = with(options, self.value("crop", form::crop), Options::window);
         let filter = self.word("rfilter").map(Filter::with_default_width);
         let options = with(options, filter, Options::filter);
         let options = with(options, self.value("max-depth", form::depth), Options::max_depth);
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use clap::Parser;
     use lodestar::image::{Exposure, ToneCurve};
-    use lodestar::scene::Crop;
+    use lodestar::scene::{Crop, Window};
     use lodestar::settings::UNLIMITED_DEPTH;
     use std::path::PathBuf;
 
@@ -189,7 +189,7 @@ mod tests {
             (exposure, tone, half, overwrite),
             (Some(Exposure::Stops(-1.5)), Some(ToneCurve::Paper), true, true)
         );
-        assert_eq!(args.value("crop", form::crop), Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
+        assert_eq!(args.value("crop", form::crop), Some(Window::Pixels(Crop { x: 1, y: 2, width: 3, height: 4 })));
         assert_eq!(args.load().defines, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
         assert_eq!((args.word("log"), args.value("time", seconds)), (Some(LogFormat::Json), Some(61.5)));
         assert_eq!((args.text("sampler"), args.text("nee")), (Some("bsdf"), Some("on")));
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn wrong_values_are_refused() {
         for line in [
-            "-o a.jpg",
+            "-o a.gif",
             "-o -",
             "--time 1m30",
             "--log xml",
@@ -223,6 +223,9 @@ mod tests {
             "--max-depth endless",
             "--crop 1,2,0,4",
             "--crop 1,2,-3,4",
+            "--crop 0.25,0.25,0.5,0.5",
+            "--crop 50%,50%,60%,50%",
+            "--crop 1,2,50%,50%",
             "-D a",
             "-D =b",
             "--exposure inf",

@@ -6,6 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use lodestar::files::{has_extension, is_picture};
+use lodestar::image::color;
 use lodestar::session::{Event, Options, Watch};
 use lodestar::settings::options::LOCAL;
 use lodestar::settings::options::form::{self, page_address};
@@ -25,7 +26,7 @@ const SAMPLES: u32 = 256;
 /// Shows a picture, or a scene whose camera moves, in a browser.
 ///
 /// The page of an EXR picture shows every layer, with exposure, tone curves and false colors, and the values of its pixels. When
-/// the file changes, the page shows it anew.
+/// the file changes, the page shows it anew. A .png or .jpg picture has 8 bits per channel, which are made linear.
 ///
 /// The page of a scene renders it. Its camera moves by mouse, touch or keyboard, and what the guide has learned stays. The page gives the
 /// camera as XML and renders the picture that is seen into a file. Pictures have 256 samples per pixel where --spp gives no other number.
@@ -47,7 +48,7 @@ pub struct ViewArgs {
 /// Serves the picture or the scene until a signal comes.
 pub fn run(args: ViewArgs) -> Result<ExitCode> {
     let interrupt = Interrupt::catch(false)?;
-    match has_extension(&args.subject, "exr") {
+    match is_picture(&args.subject) {
         true => show_picture(&args, &interrupt),
         false => move_through(args, &interrupt),
     }
@@ -56,6 +57,10 @@ pub fn run(args: ViewArgs) -> Result<ExitCode> {
 fn show_picture(args: &ViewArgs, interrupt: &Interrupt) -> Result<ExitCode> {
     if let Some(name) = args.given.first() {
         return Err(Error::Settings(format!("--{name} is for scenes, and {} is a picture", args.subject.display())));
+    }
+    if !has_extension(&args.subject, "exr") {
+        let (_, note) = color::read(&args.subject)?;
+        note.iter().for_each(|note| report("note", note));
     }
     let mut view = FileView::start(&args.subject, &args.address)?;
     print_message(&format!("look at the picture at {}", view.url()));
@@ -69,12 +74,6 @@ fn show_picture(args: &ViewArgs, interrupt: &Interrupt) -> Result<ExitCode> {
 fn move_through(args: ViewArgs, interrupt: &Interrupt) -> Result<ExitCode> {
     let ViewArgs { subject, address, given } = args;
     // What cannot be a scene is refused before there is a page.
-    if is_picture(&subject) {
-        return Err(Error::Settings(format!(
-            "{}: a page shows EXR files; the name must end in .exr",
-            subject.display()
-        )));
-    }
     std::fs::metadata(&subject).map_err(Error::read(&subject))?;
     let picture = given.values("output", form::output_path).pop();
     if let Some(picture) = picture.as_ref().filter(|picture| picture.extension().is_none_or(|found| found != "exr")) {

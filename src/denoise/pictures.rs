@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::{Denoiser, Features};
 use crate::film::{Denoised, Picture};
+use crate::image::ToneCurve;
+use crate::image::canvas::{Canvas, Format};
 use crate::image::columns::Column;
 use crate::image::exr::{self, FileHeader};
 use crate::image::layers::Layers;
-use crate::image::{Image, ToneCurve, png};
-use crate::{Error, Result, files};
+use crate::{Error, Result};
 
 impl Denoiser {
     /// Denoises a picture by its color, albedo and normal.
@@ -82,22 +83,23 @@ impl DenoisedFile {
         &self.denoised
     }
 
-    /// Writes the file whole or not at all. A `.png` file shows the denoised layer through `tone`, brighter by `2^exposure`. Any
+    /// Writes the file whole or not at all. A `.png`, `.jpg` or `.tif` file shows the denoised layer through `tone`,
+    /// brighter by `2^exposure`, and a `.hdr` file has it in linear values. Any
     /// other name is an EXR file with all channels of the file that was read, to the last bit, and the layer `denoised`.
     ///
     /// # Errors
     /// [`Error::Write`].
     pub fn write(&self, path: &Path, tone: ToneCurve, exposure: f32) -> Result<()> {
-        if files::has_extension(path, "png") {
-            let Layers { width, height, .. } = self.layers;
-            let image = Image { width, height, pixels: self.denoised.pixels.clone() };
-            return png::write(path, &image, tone, exposure);
+        if let Some(format) = Format::of(path) {
+            let mut canvas = Canvas::new(format, [self.layers.width, self.layers.height], tone, exposure);
+            canvas.add(&self.denoised.pixels);
+            return canvas.write(path);
         }
         let (mut columns, mut header) = (self.layers.columns(), self.header.clone());
         let is_half = columns.channels.iter().any(|(name, column)| name == "R" && matches!(column, Column::Halves(_)));
-        self.denoised.add_channels(&mut columns, is_half);
+        self.denoised.add_channels(&mut columns, is_half, 0);
         self.denoised.add_attributes(&mut header.attributes);
-        exr::write_columns(path, columns, &header, &mut |_| {})
+        exr::write_columns(path, &columns, &header, &mut |_| {})
     }
 }
 

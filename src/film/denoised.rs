@@ -27,11 +27,12 @@ pub struct Denoised {
 }
 
 impl Denoised {
-    /// Puts the layer's channels in the place of those of an earlier one. They are half floats or floats.
-    pub fn add_channels<'a>(&'a self, columns: &mut Columns<'a>, is_half: bool) {
+    /// Puts the layer's channels in the place of those of an earlier one. They are half floats or floats. The columns begin with the pixel
+    /// `first` of the picture.
+    pub fn add_channels<'a>(&'a self, columns: &mut Columns<'a>, is_half: bool, first: usize) {
         columns.channels.retain(|(name, _)| !name.starts_with("denoised."));
         let channel = |(c, name): (usize, &&str)| {
-            let value: ValueAt<'a, f32> = Box::new(move |at| self.pixels[at][c]);
+            let value: ValueAt<'a, f32> = Box::new(move |at| self.pixels[first + at][c]);
             ((*name).to_owned(), if is_half { Column::Halves(value) } else { Column::Floats(value) })
         };
         columns.channels.extend(CHANNELS.iter().enumerate().map(channel));

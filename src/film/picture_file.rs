@@ -25,9 +25,10 @@ use crate::film::denoised::Denoised;
 use crate::film::features::{FEATURES, RGB};
 use crate::film::layers::{Values, channel_name};
 use crate::film::picture::Picture;
+use crate::film::strips::{Strip, Strips, rows_at_a_time};
 use crate::film::sums::PixelSums;
 use crate::film::view::View;
-use crate::image::columns::{Column, Columns, ValueAt};
+use crate::image::columns::{Column, Columns, Rows, ValueAt};
 use crate::image::exr::{self, Attributes, FileHeader, lacking};
 use crate::image::layers::Layers;
 
@@ -87,11 +88,26 @@ pub fn write_picture_with(
     denoised: Option<&Denoised>,
     tell: &mut dyn FnMut(f64),
 ) -> Result<()> {
-    let Picture { width, height, offset, full_size, view, .. } = *picture;
-    let mut columns = Columns { width, height, offset, full_size, channels: channels(picture, precision) };
+    write_strips(path, picture, attributes, precision, denoised, tell)
+}
+
+/// Writes like [`write_picture_with`] a picture that is read some rows at a time. The file has the same bytes.
+///
+/// # Errors
+/// [`crate::Error::Write`] where the file cannot be written, and where rows cannot be read.
+pub fn write_strips(
+    path: &Path,
+    strips: &dyn Strips,
+    attributes: &[(String, String)],
+    precision: Precision,
+    denoised: Option<&Denoised>,
+    tell: &mut dyn FnMut(f64),
+) -> Result<()> {
+    let [width, height] = strips.size();
+    let first = strips.strip(0..1)?;
+    let view = first.picture().view;
     let mut attributes = attributes.to_vec();
     if let Some(denoised) = denoised {
-        denoised.add_channels(&mut columns, precision == Precision::Half);
         denoised.add_attributes(&mut attributes);
     }
     if precision == Precision::Half {
@@ -102,7 +118,35 @@ pub fn write_picture_with(
         camera_from_world: view.map(|view| view.camera_from_world),
         film_from_world: view.map(|view| view.film_from_world),
     };
-    exr::write_columns(path, columns, &header, tell)
+    let mut make = |rows, take: &mut dyn FnMut(&Rows<'_>)| {
+        let strip = strips.strip(rows)?;
+        take(&Rows {
+            columns: &columns_of(&strip, first.picture(), height, precision, denoised),
+            first: strip.first(),
+        });
+        Ok(())
+    };
+    // Of a picture in memory, only the blocks that are compressed are copied.
+    let rows_at_a_time = if strips.whole().is_some() { 1 } else { rows_at_a_time(width) };
+    let shape = columns_of(&first, first.picture(), height, precision, denoised);
+    exr::write_rows(path, &shape, &header, rows_at_a_time, &mut make, tell)
+}
+
+/// Columns of a file of this height, which hold a strip. The file's window is that of its first strip.
+fn columns_of<'a>(
+    strip: &'a Strip<'_>,
+    first: &Picture,
+    height: u32,
+    precision: Precision,
+    denoised: Option<&'a Denoised>,
+) -> Columns<'a> {
+    let Picture { width, offset, full_size, .. } = *first;
+    let mut columns = Columns { width, height, offset, full_size, channels: channels(strip.picture(), precision) };
+    if let Some(denoised) = denoised {
+        let first_pixel = strip.first() as usize * width as usize;
+        denoised.add_channels(&mut columns, precision == Precision::Half, first_pixel);
+    }
+    columns
 }
 
 /// Reads a picture that [`write_picture`] has written, to the last bit: every layer, and the attributes as
@@ -303,5 +347,64 @@ mod tests {
         exr::write_layers(&path, &color, &FileHeader::default()).unwrap();
         let error = read_picture(&path).unwrap_err().to_string();
         assert!(error.contains("a.exr: it lacks variance"), "{error}");
+    }
+
+    /// A picture that gives copies of the rows that are asked for, as a device does.
+    struct InRows(Picture, std::cell::Cell<u32>);
+
+    impl Strips for InRows {
+        fn size(&self) -> [u32; 2] {
+            self.0.size()
+        }
+
+        fn strip(&self, rows: std::ops::Range<u32>) -> Result<Strip<'_>> {
+            let (whole, width) = (&self.0, self.0.width as usize);
+            self.1.set(self.1.get().max(rows.end - rows.start));
+            let pixels = rows.start as usize * width..rows.end as usize * width;
+            let [x, y] = whole.offset;
+            let mut strip = Picture {
+                height: rows.end - rows.start,
+                offset: [x, y + rows.start],
+                radiance: whole.radiance[pixels.clone()].to_vec(),
+                variance: whole.variance[pixels.clone()].to_vec(),
+                sample_count: whole.sample_count[pixels.clone()].to_vec(),
+                hit_count: whole.hit_count[pixels.clone()].to_vec(),
+                ..whole.clone()
+            };
+            for (values, feature) in strip.features.iter_mut().zip(&FEATURES) {
+                let count = feature.channels.len();
+                *values = values[count * pixels.start..count * pixels.end].to_vec();
+            }
+            Ok(Strip::From(rows.start, Box::new(strip)))
+        }
+    }
+
+    /// 700 rows of 400 pixels are more than are read at a time, and their end cuts a block of 16 rows.
+    #[test]
+    fn rows_make_the_file_of_the_whole() {
+        let (folder, path) = folder();
+        let (width, height) = (400, 700);
+        let mut picture = Picture::empty(width, height, [3, 2], [500, 800]);
+        for at in 0..picture.radiance.len() {
+            let value = (at as f32).sin();
+            (picture.radiance[at], picture.variance[at]) = ([value, value * 2.0, 0.5], [value * value; 3]);
+            (picture.sample_count[at], picture.hit_count[at]) = (at as u32, at as u32 / 2);
+            picture.features[NORMAL][3 * at + 1] = -value;
+        }
+        let denoised = Denoised { pixels: picture.variance.clone(), by: "a".into(), on: "b".into(), from: "c".into() };
+        let rows = InRows(picture.clone(), std::cell::Cell::new(0));
+        let in_rows = folder.path().join("rows.exr");
+        for (denoised, precision) in [(None, Precision::Half), (Some(&denoised), Precision::Float)] {
+            write_picture_with(&path, &picture, &[], precision, denoised, &mut |_| {}).unwrap();
+            let mut shares = Vec::new();
+            write_strips(&in_rows, &rows, &[], precision, denoised, &mut |share| shares.push(share)).unwrap();
+            assert!(exr::read_layers(&in_rows).unwrap() == exr::read_layers(&path).unwrap());
+            assert!(shares.is_sorted() && shares.len() > 40 && shares.last() == Some(&1.0));
+        }
+        assert_eq!(rows.1.get(), rows_at_a_time(width));
+        assert!(rows_at_a_time(width) < height);
+        let counts = crate::film::strips::SampleCounts::of(&rows).unwrap();
+        assert_eq!((counts.pixels, counts.empty, counts.most), (280_000, 1, 279_999));
+        assert_eq!(crate::film::strips::image(&rows).unwrap(), picture.image());
     }
 }

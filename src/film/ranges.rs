@@ -6,7 +6,6 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::film::Picture;
 use crate::settings::Settings;
 
 /// Ranges of sample numbers by seed, written as `7:0..64, 7:128..192`. They are sorted and disjoint; touching ranges
@@ -22,11 +21,10 @@ struct SeededRange {
 }
 
 impl SampleRanges {
-    /// Sample range of a render's picture, up to the largest count of a pixel. Pixels have fewer where a step was
+    /// Sample range of a render's picture, of which no pixel has more than `most` samples. Pixels have fewer where a step was
     /// stopped.
-    pub fn of_picture(picture: &Picture, settings: &Settings) -> Self {
+    pub fn of_picture(most: u32, settings: &Settings) -> Self {
         let first = u64::from(settings.sample_offset.unwrap_or(0));
-        let most = picture.sample_count.iter().copied().max().unwrap_or(0);
         Self(vec![SeededRange { seed: settings.seed, samples: first..first + u64::from(most) }])
     }
 

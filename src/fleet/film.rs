@@ -6,6 +6,7 @@ use crate::Result;
 use crate::film::Picture;
 use crate::fleet::Fleet;
 use crate::fleet::command::{Command, lead};
+use crate::renderer::Renderer;
 use crate::renderer::share::Share;
 use crate::renderer::shared::Film;
 
@@ -15,8 +16,16 @@ impl Fleet {
     /// # Errors
     /// Where a device is lost.
     pub fn picture(&self) -> Result<Picture> {
+        self.gathered()?.picture()
+    }
+
+    /// The first device, with the film of all of them.
+    ///
+    /// # Errors
+    /// Where a device is lost.
+    pub(crate) fn gathered(&self) -> Result<&Renderer> {
         lead(self.team.as_deref(), || Command::Film, || self.gather_film())?;
-        self.first.picture()
+        Ok(&self.first)
     }
 
     /// Number of samples that all pixels of the film have together.
@@ -24,8 +33,7 @@ impl Fleet {
     /// # Errors
     /// Where a device is lost.
     pub fn samples_in_film(&self) -> Result<u64> {
-        lead(self.team.as_deref(), || Command::Film, || self.gather_film())?;
-        self.first.samples_in_film()
+        self.gathered()?.samples_in_film()
     }
 
     /// Copies the tiles of all devices of all ranks into the film of the first device of the first rank.

@@ -1,5 +1,9 @@
 //! Channels of a picture file by functions. A writer asks for values when their turn comes, so that no copy of them lies in memory.
 
+use std::ops::Range;
+
+use crate::Result;
+
 use super::layers::{Layers, Samples};
 
 /// Channels of a picture with their window.
@@ -15,6 +19,17 @@ pub struct Columns<'a> {
     /// Channels by name, such as `R` or `normal.X`.
     pub channels: Vec<(String, Column<'a>)>,
 }
+
+/// Columns that hold some rows of a file.
+pub struct Rows<'a> {
+    /// The columns. Index 0 is the first pixel of the row `first`.
+    pub columns: &'a Columns<'a>,
+    /// Row of the file with which the columns begin.
+    pub first: u32,
+}
+
+/// Makes the rows of a file that are asked for, and hands them to the function.
+pub type MakeRows<'a> = &'a mut dyn FnMut(Range<u32>, &mut dyn FnMut(&Rows<'_>)) -> Result<()>;
 
 /// A function from a pixel's index to its value. Indices go row by row from the top left.
 pub type ValueAt<'a, T> = Box<dyn Fn(usize) -> T + Sync + 'a>;

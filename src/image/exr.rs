@@ -4,11 +4,16 @@
 //! sRGB, and the header says so.
 
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::Path;
 
-use ::exr::meta::MetaData;
+use ::exr::block::writer::ChunksWriter;
+use ::exr::block::{BlockIndex, enumerate_ordered_header_block_indices};
+use ::exr::compression::Compression;
+use ::exr::meta::attribute::LineOrder;
 use ::exr::meta::attribute::{Chromaticities, Matrix4x4};
 use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use ::exr::meta::{BlockDescription, MetaData, compute_chunk_count};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, IntegerBounds, Layer, ReadChannels, ReadLayers,
     Text, Vec2, WritableImage,
@@ -17,8 +22,8 @@ use glam::Mat4;
 
 pub use super::exr_columns::LARGEST_HALF;
 
-use super::columns::Columns;
-use super::exr_columns::Channels;
+use super::columns::{Columns, MakeRows, Rows};
+use super::exr_columns::{blocks_of, channel_list};
 use super::exr_limits::PartSize;
 use super::layers::{Layers, Samples};
 use super::{Image, date, exr_limits, primaries};
@@ -55,23 +60,76 @@ type Part = Layer<AnyChannels<FlatSamples>>;
 
 /// Writes `layers` as one part. The header has the present time besides `header`.
 pub fn write_layers(path: &Path, layers: &Layers, header: &FileHeader) -> Result<()> {
-    write_columns(path, layers.columns(), header, &mut |_| {})
+    write_columns(path, &layers.columns(), header, &mut |_| {})
 }
 
 /// Writes like [`write_layers`], and calls `tell` with the share that is written, in [0, 1], again and again.
-pub fn write_columns(path: &Path, columns: Columns<'_>, header: &FileHeader, tell: &mut dyn FnMut(f64)) -> Result<()> {
-    let Columns { width, height, offset, full_size, channels } = columns;
-    let channels = channels.into_iter().map(|(name, column)| (text(&name), column));
-    let layer = Layer::new(
-        size(width, height),
-        layer_attributes(offset, header)?,
-        Encoding::SMALL_LOSSLESS,
-        Channels::new(channels),
-    );
+pub fn write_columns(path: &Path, columns: &Columns<'_>, header: &FileHeader, tell: &mut dyn FnMut(f64)) -> Result<()> {
+    let mut make = |_, take: &mut dyn FnMut(&Rows<'_>)| {
+        take(&Rows { columns, first: 0 });
+        Ok(())
+    };
+    write_rows(path, columns, header, 1, &mut make, tell)
+}
+
+/// Writes like [`write_columns`] a file of which `make` makes at least `rows_at_a_time` rows at a time. The columns of `shape` say how
+/// the file looks, and are not asked for values. Memory holds these rows only, and the blocks that are being compressed.
+pub fn write_rows(
+    path: &Path,
+    shape: &Columns<'_>,
+    header: &FileHeader,
+    rows_at_a_time: u32,
+    make: MakeRows<'_>,
+    tell: &mut dyn FnMut(f64),
+) -> Result<()> {
+    let header = header_of(shape, header)?;
+    let mut failure = None;
+    let written = write_whole(path, |writer| {
+        let headers = [header].into_iter().collect();
+        let write = |meta: MetaData, chunks: &mut _| {
+            let indices: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
+            let blocks_at_a_time = (rows_at_a_time as usize).div_ceil(COMPRESSION.scan_lines_per_block()).max(1);
+            let blocks = indices.chunks(blocks_at_a_time).map_while(|indices| {
+                let mut blocks = Vec::new();
+                let made = make(rows_of(indices), &mut |rows| {
+                    blocks.extend(blocks_of(rows, &meta.headers[0].channels, indices));
+                });
+                made.map_err(|error| failure = Some(error)).ok().map(|()| blocks)
+            });
+            ChunksWriter::on_progress(chunks, tell).compress_all_blocks_parallel(&meta, blocks.flatten())
+        };
+        ::exr::block::write(writer, headers, true, write).map_err(io_error)
+    });
+    failure.map_or(written, Err)
+}
+
+/// Compression without loss that makes the smallest files.
+const COMPRESSION: Compression = Compression::ZIP16;
+
+/// Rows of the blocks with these indices, of which one follows the other.
+fn rows_of(indices: &[(usize, BlockIndex)]) -> Range<u32> {
+    let first = indices.first().map_or(0, |(_, block)| block.pixel_position.1);
+    let end = indices.last().map_or(0, |(_, block)| block.pixel_position.1 + block.pixel_size.1);
+    first as u32..end as u32
+}
+
+fn header_of(shape: &Columns<'_>, header: &FileHeader) -> Result<Header> {
+    let Columns { width, height, offset, full_size, .. } = *shape;
     let display_window = IntegerBounds::from_dimensions(size(full_size[0], full_size[1]));
-    let attributes = ImageAttributes { chromaticities: Some(SRGB), ..ImageAttributes::new(display_window) };
-    let image = ::exr::image::Image::new(attributes, layer);
-    write_whole(path, |writer| image.write().on_progress(tell).to_buffered(writer).map_err(io_error))
+    let (layer_size, blocks) = (size(width, height), BlockDescription::ScanLines);
+    Ok(Header {
+        channels: channel_list(shape),
+        compression: COMPRESSION,
+        blocks,
+        line_order: LineOrder::Increasing,
+        layer_size,
+        deep: false,
+        deep_data_version: None,
+        chunk_count: compute_chunk_count(COMPRESSION, layer_size, blocks),
+        max_samples_per_pixel: None,
+        shared_attributes: ImageAttributes { chromaticities: Some(SRGB), ..ImageAttributes::new(display_window) },
+        own_attributes: layer_attributes(offset, header)?,
+    })
 }
 
 fn channel(name: &str, samples: FlatSamples) -> Channel {

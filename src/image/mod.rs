@@ -1,5 +1,7 @@
 //! Pictures in memory and on disk: EXR, PNG and the error between two of them. CPU only.
 
+pub mod canvas;
+pub mod color;
 pub mod columns;
 pub mod comparison;
 mod date;

@@ -3,16 +3,13 @@
 use std::io;
 use std::path::Path;
 
-use ::image::codecs::png::PngEncoder;
-use ::image::{ExtendedColorType, ImageEncoder};
-
+use super::canvas::{Canvas, Format};
 use super::{Image, ToneCurve};
 use crate::Result;
-use crate::files::write_whole;
 
 /// Writes `image`, scaled by `2^exposure_stops` and shown through `curve`, to a PNG file.
 pub fn write(path: &Path, image: &Image, curve: ToneCurve, exposure_stops: f32) -> Result<()> {
-    write_whole(path, |writer| encode(writer, image, curve, exposure_stops))
+    Canvas::of_image(Format::Png, image, curve, exposure_stops).write(path)
 }
 
 /// Writes like [`write`], but to any writer.
@@ -20,20 +17,7 @@ pub fn write(path: &Path, image: &Image, curve: ToneCurve, exposure_stops: f32) 
 /// # Errors
 /// Where the writer fails, or the image has no pixels.
 pub fn encode(writer: impl io::Write, image: &Image, curve: ToneCurve, exposure_stops: f32) -> io::Result<()> {
-    let bytes = display_bytes(image, curve, exposure_stops);
-    let encoder = PngEncoder::new(writer);
-    encoder.write_image(&bytes, image.width, image.height, ExtendedColorType::Rgb8).map_err(io::Error::other)
-}
-
-fn display_bytes(image: &Image, curve: ToneCurve, exposure_stops: f32) -> Vec<u8> {
-    let scale = f64::from(exposure_stops).exp2();
-    let show = |pixel: &[f32; 3]| curve.apply(pixel.map(|value| f64::from(value) * scale)).map(quantize);
-    image.pixels.iter().flat_map(show).collect()
-}
-
-/// Rounds a value in [0, 1] to the nearest of 256 levels. Values outside are clamped, and NaN becomes 0.
-fn quantize(value: f64) -> u8 {
-    (255.0 * value).round() as u8
+    Canvas::of_image(Format::Png, image, curve, exposure_stops).encode(writer)
 }
 
 #[cfg(test)]
@@ -45,7 +29,10 @@ mod tests {
     }
 
     fn levels(values: &[f32], curve: ToneCurve, exposure_stops: f32) -> Vec<u8> {
-        display_bytes(&gray(values), curve, exposure_stops).chunks_exact(3).map(|pixel| pixel[1]).collect()
+        let mut bytes = Vec::new();
+        encode(&mut bytes, &gray(values), curve, exposure_stops).unwrap();
+        let read = ::image::load_from_memory(&bytes).unwrap().into_rgb8();
+        read.pixels().map(|pixel| pixel.0[1]).collect()
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::encode::cells::Cells;
 use crate::encode::query_geometry::QueryGeometry;
 use crate::encode::surfaces::Shading;
 use crate::gpu::{DeviceInfo, DeviceKind};
-use crate::renderer::film_store::pages::{film_bytes, host_film_bytes};
+use crate::renderer::film_store::pages::{MOST_WHOLE_PIXELS, film_bytes, host_film_bytes, padded_pixels};
 use crate::renderer::guide_cells::guide_bytes;
 use crate::renderer::trace::wave_memory::wave_bytes;
 use crate::settings::{Settings, Traversal};
@@ -17,6 +17,8 @@ pub(super) struct MemoryNeeds {
     parts: [Part; 5],
     /// Bytes that reading the film back takes on the host.
     host_bytes: u64,
+    /// Whether the device's memory is the host's own.
+    is_cpu: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +36,7 @@ impl MemoryNeeds {
             Traversal::Query => QueryGeometry::estimated_bytes(bvh),
             _ => size_of_val(&bvh.nodes[..]) as u64,
         };
+        let is_cpu = device.kind == DeviceKind::Cpu;
         let part = |name, bytes, remedy| Part { name, bytes, remedy };
         Self {
             parts: [
@@ -47,7 +50,8 @@ impl MemoryNeeds {
                 ),
                 part("paths under way", wave_bytes(device, settings), "none with --execution megakernel"),
             ],
-            host_bytes: host_film_bytes(settings),
+            host_bytes: host_film_bytes(settings, is_cpu),
+            is_cpu,
         }
     }
 
@@ -55,7 +59,7 @@ impl MemoryNeeds {
     pub fn with_film(&self, settings: &Settings) -> Self {
         let mut parts = self.parts;
         parts[0].bytes = film_bytes(settings);
-        Self { parts, host_bytes: host_film_bytes(settings) }
+        Self { parts, host_bytes: host_film_bytes(settings, self.is_cpu), is_cpu: self.is_cpu }
     }
 
     /// Refuses a film that memory cannot hold beside the other parts, which it holds already.
@@ -110,6 +114,11 @@ impl MemoryNeeds {
                 "the render takes {all} of memory on its device, of which the film takes {film}; reading the film back takes {host} more"
             )
         })
+    }
+
+    /// Whether a whole copy of the film of these settings lies in the host's memory while it is rendered.
+    pub fn has_copies(&self, settings: &Settings) -> bool {
+        !self.is_cpu || padded_pixels(settings) <= MOST_WHOLE_PIXELS
     }
 
     /// Bytes of all parts on the device.
@@ -191,7 +200,7 @@ mod tests {
             ("paths under way", 100_000),
         ];
         let parts = parts.map(|(name, bytes)| part(name, bytes));
-        let needs = MemoryNeeds { parts, host_bytes: 100_000 };
+        let needs = MemoryNeeds { parts, host_bytes: 100_000, is_cpu: false };
         assert!(needs.check_against("a device", 0, 1_100_000).is_ok());
         assert!(needs.check_against("a device", 100_000, 1_200_000).is_ok());
         assert_eq!(needs.note(), None);
@@ -202,7 +211,7 @@ mod tests {
              paths under way 100 kB (smaller so), \
              and reading the film back 100 kB"
         );
-        let huge = MemoryNeeds { parts: [part("the film", u64::MAX); 5], host_bytes: 0 };
+        let huge = MemoryNeeds { parts: [part("the film", u64::MAX); 5], host_bytes: 0, is_cpu: false };
         assert!(huge.check_against("a device", 0, 1 << 60).is_err());
         assert!(huge.note().is_some_and(|note| note.contains("18 EB of memory")));
     }

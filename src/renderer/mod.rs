@@ -37,6 +37,7 @@ mod step;
 mod trace;
 mod variants;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -54,6 +55,7 @@ use crate::generated::kernels::{BackEnd, Kernels, Variant};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
+use crate::renderer::film_store::pages::{MOST_WHOLE_PIXELS, padded_pixels};
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::sets::Sets;
@@ -143,8 +145,27 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        let picture = self.film_store.picture(&self.sets.frame, &self.settings)?;
+        self.picture_rows(&(0..self.settings.window().height))
+    }
+
+    /// Reads rows of the film back. The rows count from the window's first one.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub(crate) fn picture_rows(&self, rows: &Range<u32>) -> Result<Picture> {
+        let picture = self.film_store.picture(&self.sets.frame, &self.settings, rows)?;
         Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
+    }
+
+    /// Whether the film is so large that it is read some rows at a time.
+    pub(crate) fn is_large(&self) -> bool {
+        padded_pixels(&self.settings) > MOST_WHOLE_PIXELS
+    }
+
+    /// Whether copies of the whole film are kept in the host's memory. Where it is the device's own, a copy of a large film would take as
+    /// much again, and a device that is lost there takes the host with it.
+    pub(crate) fn has_copies(&self) -> bool {
+        self.needs.has_copies(&self.settings)
     }
 
     /// Sentence about the memory that the render takes, if it is much.

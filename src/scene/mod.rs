@@ -49,7 +49,7 @@ pub use camera::{Camera, FovAxis, Projection};
 pub use convert::{Converted, convert, convert_dictionary};
 pub use description::transform::{Operation, Transform};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes};
-pub use film::{Crop, FilmDescription, ReconstructionFilter};
+pub use film::{Crop, FilmDescription, ReconstructionFilter, Window};
 pub use fingerprint::fingerprint;
 pub use geometry::{Group, Instance, Primitive, PrimitiveShape};
 pub use integrator::IntegratorDescription;

@@ -260,7 +260,10 @@ impl Session {
     /// Where the device is lost or a file cannot be written.
     #[doc(hidden)]
     pub fn write_now(&self, watch: &Watch<'_>) -> Result<()> {
-        self.running.write_pictures(&self.picture()?, None, watch)
+        match self.finished.as_ref().and_then(Finished::rescued) {
+            Some(rescued) => self.running.write_pictures(rescued, watch),
+            None => self.running.write_pictures(&self.running.source()?, watch),
+        }
     }
 
     /// Writes a checkpoint of the render so far into `file`, from which [`Session::resume`] goes on to the same bits.

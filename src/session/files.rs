@@ -6,8 +6,10 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::denoise::DenoiseOptions;
+use crate::film::strips::{Pixels, Strips, each};
 use crate::film::{self, Denoised, Picture, Precision};
-use crate::image::{Exposure, Image, ToneCurve, exr, metrics, png};
+use crate::image::canvas::{Canvas, Format};
+use crate::image::{Exposure, Image, ToneCurve, exr, metrics};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::{Error, Result, files};
@@ -16,15 +18,15 @@ use crate::{Error, Result, files};
 /// are given here.
 #[derive(Debug, Clone, Default)]
 pub struct OutputFiles {
-    /// Picture files; the extension chooses EXR or PNG. An empty list means one EXR file with the scene's name.
+    /// Picture files; the extension chooses EXR, PNG, JPEG, TIFF or HDR. An empty list means one EXR file with the scene's name.
     pub pictures: Vec<PathBuf>,
-    /// Tone curve of PNG files.
+    /// Tone curve of PNG, JPEG and TIFF files.
     pub tone: Option<ToneCurve>,
-    /// Exposure of PNG files. Without one, it is automatic for a glTF model, and else 0 stops.
+    /// Exposure of PNG, JPEG and TIFF files. Without one, it is automatic for a glTF model, and else 0 stops.
     pub exposure: Option<Exposure>,
     /// Whether the colors of EXR files are half floats.
     pub half: bool,
-    /// How the last picture is denoised, if it is. EXR files have a layer `denoised` then, and PNG files show it.
+    /// How the last picture is denoised, if it is. EXR files have a layer `denoised` then, and other files show it.
     pub denoise: Option<DenoiseOptions>,
     /// Whether pictures of other scenes are replaced. Otherwise they are an error.
     pub overwrite: bool,
@@ -111,12 +113,12 @@ impl PictureFiles {
         let folders: Vec<_> = own.into_iter().chain(current).filter(|folder| folder.parent().is_some()).collect();
         for path in &self.paths {
             if !files::is_picture(path) {
-                return refuse(path, "but a picture's name ends in .exr or .png;");
+                return refuse(path, "but a picture's name ends in .exr, .png, .jpg, .tif or .hdr;");
             }
             // A folder that does not exist is told when the file is tried.
             let Ok(written) = files::written_file(path) else { continue };
             if !files::is_picture(&written) {
-                return refuse(&written, "but a picture's name ends in .exr or .png;");
+                return refuse(&written, "but a picture's name ends in .exr, .png, .jpg, .tif or .hdr;");
             }
             if !folders.iter().any(|folder| written.starts_with(folder)) {
                 return refuse(&written, "outside of the checkpoint's folder and the current one; go on there, or");
@@ -135,22 +137,31 @@ impl PictureFiles {
     /// one cannot be written, the others still are.
     pub(super) fn write(
         &self,
-        picture: &Picture,
+        picture: &dyn Strips,
         denoised: Option<&Denoised>,
         attributes: &[(String, String)],
         tell: &dyn Fn(&Path, f64),
     ) -> Result<()> {
         let precision = if self.half { Precision::Half } else { Precision::Float };
         let write = |path: &PathBuf| {
-            match files::has_extension(path, "png") {
-                true => png::write(path, &shown(picture, denoised), self.tone, self.stops(picture, denoised))?,
-                false => {
+            match Format::of(path) {
+                Some(format) => {
+                    let [width, height] = picture.size();
+                    let stops = if format.is_for_screens() { self.stops(picture, denoised)? } else { 0.0 };
+                    let mut canvas = Canvas::new(format, [width, height], self.tone, stops);
+                    each(picture, &mut |strip| {
+                        canvas.add(shown(strip, denoised));
+                        tell(path, 0.5 * strip.of_whole.end as f64 / (width as usize * height as usize) as f64);
+                    })?;
+                    canvas.write(path)?;
+                }
+                None => {
                     let mut tell = |share| {
                         if share < 1.0 {
                             tell(path, share)
                         }
                     };
-                    film::write_picture_with(path, picture, attributes, precision, denoised, &mut tell)?;
+                    film::write_strips(path, picture, attributes, precision, denoised, &mut tell)?;
                 }
             }
             tell(path, 1.0);
@@ -159,35 +170,49 @@ impl PictureFiles {
         self.paths.iter().map(write).fold(Ok(()), Result::and)
     }
 
-    /// Exposure of the picture in PNG files, in stops.
-    fn stops(&self, picture: &Picture, denoised: Option<&Denoised>) -> f32 {
-        let pixels = denoised.map_or(&picture.radiance, |denoised| &denoised.pixels);
-        self.exposure.stops(pixels, |at| picture.hit_count.get(at).is_some_and(|&count| count > 0))
+    /// Exposure of the picture in files for screens, in stops.
+    fn stops(&self, picture: &dyn Strips, denoised: Option<&Denoised>) -> Result<f32> {
+        let Exposure::Auto = self.exposure else { return Ok(self.exposure.stops(&[], |_| true)) };
+        let (mut pixels, mut surfaces) = (Vec::new(), Vec::new());
+        each(picture, &mut |strip| {
+            pixels.extend_from_slice(shown(strip, denoised));
+            surfaces.extend(strip.picture.hit_count[strip.within.clone()].iter().map(|&count| count > 0));
+        })?;
+        Ok(self.exposure.stops(&pixels, |at| surfaces[at]))
     }
 
-    /// Line about the exposure of PNG files, where it is automatic.
-    pub(super) fn exposure_line(&self, picture: &Picture, denoised: Option<&Denoised>) -> Option<String> {
-        let has_png = self.paths.iter().any(|path| files::has_extension(path, "png"));
-        (has_png && self.exposure == Exposure::Auto).then(|| {
-            let stops = self.stops(picture, denoised);
-            format!("exposure of the PNG picture: {stops} stops, chosen by itself (--exposure {stops} makes the same, --exposure 0 none)")
-        })
+    /// Line about the exposure of files for screens, where it is automatic.
+    pub(super) fn exposure_line(&self, picture: &dyn Strips, denoised: Option<&Denoised>) -> Result<Option<String>> {
+        let is_shown = self.paths.iter().any(|path| Format::of(path).is_some_and(Format::is_for_screens));
+        if !is_shown || self.exposure != Exposure::Auto {
+            return Ok(None);
+        }
+        let stops = self.stops(picture, denoised)?;
+        Ok(Some(format!(
+            "exposure of the picture: {stops} stops, chosen by itself (--exposure {stops} makes the same, --exposure 0 none)"
+        )))
     }
 
     /// Warning that colors are too bright for the files' half floats, if some are.
-    pub(super) fn half_warning(&self, picture: &Picture) -> Option<String> {
-        let is_half = self.half && self.paths.iter().any(|path| !files::has_extension(path, "png"));
-        let is_bright = |pixel: &&[f32; 3]| pixel.iter().any(|&value| value > exr::LARGEST_HALF);
-        let count = if is_half { picture.radiance.iter().filter(is_bright).count() } else { 0 };
-        (count > 0).then(|| {
+    pub(super) fn half_warning(&self, picture: &dyn Strips) -> Result<Option<String>> {
+        if !self.half || self.paths.iter().all(|path| Format::of(path).is_some()) {
+            return Ok(None);
+        }
+        let mut count = 0;
+        each(picture, &mut |strip| {
+            let is_bright = |pixel: &&[f32; 3]| pixel.iter().any(|&value| value > exr::LARGEST_HALF);
+            count += strip.picture.radiance[strip.within.clone()].iter().filter(is_bright).count();
+        })?;
+        Ok((count > 0).then(|| {
             let largest = exr::LARGEST_HALF;
             format!("{count} pixels are brighter than {largest}, the largest half float, and are written as {largest}; leave out --half to keep them")
-        })
+        }))
     }
 }
 
 impl Picture {
-    /// Writes the picture, whole or not at all. A `.png` file uses the sRGB curve; any other name is an EXR file with all layers.
+    /// Writes the picture, whole or not at all. A `.png`, `.jpg` or `.tif` file uses the sRGB curve, a `.hdr` file holds
+    /// linear values; any other name is an EXR file with all layers.
     ///
     /// # Errors
     /// Where the file cannot be written.
@@ -197,12 +222,11 @@ impl Picture {
     }
 }
 
-/// Colors that a PNG file shows: the denoised ones where there are some.
-fn shown(picture: &Picture, denoised: Option<&Denoised>) -> Image {
-    let plain = picture.image();
+/// Colors of a strip that a file of color alone has: the denoised ones where there are some.
+fn shown<'a>(strip: &'a Pixels<'_>, denoised: Option<&'a Denoised>) -> &'a [[f32; 3]] {
     match denoised {
-        Some(denoised) => Image { pixels: denoised.pixels.clone(), ..plain },
-        None => plain,
+        Some(denoised) => &denoised.pixels[strip.of_whole.clone()],
+        None => &strip.picture.radiance[strip.within.clone()],
     }
 }
 

@@ -1,6 +1,7 @@
 //! The end of a render, also after an error: pictures, checkpoint, statistics and profile are written.
 
 use crate::film::Picture;
+use crate::film::strips::{SampleCounts, Strips};
 use crate::image::metrics::Metrics;
 use crate::session::profile::Summary;
 use crate::session::progress::{Event, Watch};
@@ -46,16 +47,7 @@ impl Finished {
 /// Writes picture, checkpoint and statistics. Returns the picture where the device is lost.
 fn write_files(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -> (Option<Picture>, Result<()>) {
     let is_lost = rendered.as_ref().is_err_and(Error::is_loss);
-    let (copied, rendered) = last_picture(running, rendered);
-    let (mut errors, mut rescued) = (None, None);
-    let written = copied.and_then(|copied| {
-        let Some(CopiedPicture { picture, .. }) = copied else { return Ok(()) };
-        let measured = running.output().measure(&picture).map(|measured| errors = measured);
-        errors.iter().for_each(|errors| watch.tell(Event::Note(&error_sentence(errors))));
-        let written = write_last(running, &picture, rendered.is_ok(), watch);
-        rescued = rendered.as_ref().is_err_and(Error::is_loss).then_some(picture);
-        written.and(measured)
-    });
+    let Written { rescued, errors, rendered, written } = write_last(running, rendered, watch);
     let kept = running.keep_last(is_lost);
     let guided = if rendered.is_ok() { write_guide(running, watch) } else { Ok(()) };
     let statistics = running.output().statistics.as_ref();
@@ -63,22 +55,36 @@ fn write_files(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -
     (rescued, rendered.and(written).and(kept).and(guided).and(statistics))
 }
 
-/// The picture to write, and the result of the render: the device's picture, or the safety copy if the device is lost.
-fn last_picture(running: &mut Running, rendered: Result<()>) -> (Result<Option<CopiedPicture>>, Result<()>) {
-    let read = match &rendered {
+/// What became of the last picture.
+struct Written {
+    /// The safety copy, if the device was lost.
+    rescued: Option<Picture>,
+    /// Errors against the reference.
+    errors: Option<Metrics>,
+    /// Result of the render.
+    rendered: Result<()>,
+    /// Result of writing.
+    written: Result<()>,
+}
+
+/// Writes the last picture: the device's, or the safety copy if the device is lost, perhaps only when it is read.
+fn write_last(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -> Written {
+    let mut errors = None;
+    let lost = match rendered {
         // The picture would be wrong, so the files of an earlier moment are kept.
-        Err(Error::Render(_) | Error::LoopCut(_)) => return (Ok(None), rendered),
-        Err(error) if error.is_loss() => None,
-        _ => Some(running.picture()),
-    };
-    let lost = match (read, rendered) {
-        (Some(Ok(picture)), rendered) => {
-            return (Ok(Some(CopiedPicture { picture, samples: running.samples_done() })), rendered);
+        Err(Error::Render(_) | Error::LoopCut(_)) => {
+            return Written { rescued: None, errors, rendered, written: Ok(()) };
         }
-        (None, Err(error)) => error,
-        (Some(Err(error)), Ok(())) if error.is_loss() => error,
-        (Some(Err(error)), rendered) => return (Err(error), rendered),
-        (None, Ok(())) => return (Ok(None), Ok(())),
+        Err(error) if error.is_loss() => error,
+        rendered => {
+            let source = running.source();
+            let written =
+                source.and_then(|source| write_measured(running, &source, rendered.is_ok(), &mut errors, watch));
+            match (written, rendered) {
+                (Err(error), Ok(())) if error.is_loss() => error,
+                (written, rendered) => return Written { rescued: None, errors, rendered, written },
+            }
+        }
     };
     let copied = running.take_safety_copy();
     let clause = match &copied {
@@ -87,24 +93,40 @@ fn last_picture(running: &mut Running, rendered: Result<()>) -> (Result<Option<C
         }
         None => "there is no picture, because none had been read back from the device".to_owned(),
     };
-    (Ok(copied), Err(lost.noting(&clause)))
+    let written =
+        copied.as_ref().map_or(Ok(()), |copied| write_measured(running, &copied.picture, false, &mut errors, watch));
+    let rescued = copied.map(|copied| copied.picture);
+    Written { rescued, errors, rendered: Err(lost.noting(&clause)), written }
 }
 
-/// Writes the last picture, unless it has no samples at all.
-fn write_last(running: &Running, picture: &Picture, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
-    let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
-    if empty < picture.sample_count.len() {
+/// Measures a picture's errors and writes it.
+fn write_measured(
+    running: &Running,
+    picture: &dyn Strips,
+    is_rendered: bool,
+    errors: &mut Option<Metrics>,
+    watch: &Watch<'_>,
+) -> Result<()> {
+    let measured = running.output().measure(picture).map(|measured| *errors = measured);
+    errors.iter().for_each(|errors| watch.tell(Event::Note(&error_sentence(errors))));
+    write_sampled(running, picture, is_rendered, watch).and(measured)
+}
+
+/// Writes a picture, unless it has no samples at all.
+fn write_sampled(running: &Running, picture: &dyn Strips, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
+    let counts = SampleCounts::of(picture)?;
+    let SampleCounts { pixels: all, empty, .. } = counts;
+    if empty < all {
         if empty > 0 {
-            let all = running.pixels();
             watch.warn(&format!("{empty} of {all} pixels are black: the render ended before their first sample"));
         }
-        running.output().pictures.half_warning(picture).iter().for_each(|warning| watch.warn(warning));
+        running.output().pictures.half_warning(picture)?.iter().for_each(|warning| watch.warn(warning));
         let denoised = running.output().denoise(picture);
         // A picture that cannot be denoised is still written.
         let layer = denoised.as_ref().ok().and_then(Option::as_ref);
-        let exposure = running.output().pictures.exposure_line(picture, layer);
+        let exposure = running.output().pictures.exposure_line(picture, layer)?;
         exposure.iter().for_each(|line| watch.tell(Event::Note(line)));
-        let written = running.write_pictures(picture, layer, watch);
+        let written = running.write_counted(picture, counts, layer, watch);
         return written.and(denoised.map(drop));
     }
     let message = "the render ended before the first sample, so no picture is written";

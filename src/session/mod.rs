@@ -50,6 +50,7 @@ pub mod saved;
 #[doc(hidden)]
 pub mod saved_guide;
 mod sealed;
+mod source;
 mod start;
 #[doc(hidden)]
 pub mod statistics;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::fleet::exchange::Exchange;
 use crate::gpu::{Context, ContextOptions};
-use crate::scene::{Crop, ReconstructionFilter, Scene};
+use crate::scene::{Crop, ReconstructionFilter, Scene, Window};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;
 use crate::settings::{Execution, Sampler, Settings, Traversal, depth_warning};
@@ -55,7 +55,7 @@ type Check = Arc<dyn Fn(&Settings) -> Result<()> + Send + Sync>;
 pub struct Options {
     pub(super) length: Length,
     size: FilmSize,
-    crop: Option<Crop>,
+    crop: Option<Window>,
     filter: Option<ReconstructionFilter>,
     max_depth: Option<u32>,
     rr_depth: Option<u32>,
@@ -139,7 +139,13 @@ impl Options {
     /// Renders only this window of the film.
     #[must_use]
     pub fn crop(self, crop: Crop) -> Self {
-        Self { crop: Some(crop), ..self }
+        Self { crop: Some(Window::Pixels(crop)), ..self }
+    }
+
+    /// Renders only this window of the film, in pixels or in shares of the film.
+    #[must_use]
+    pub fn window(self, window: Window) -> Self {
+        Self { crop: Some(window), ..self }
     }
 
     /// Sets the reconstruction filter.
@@ -304,7 +310,8 @@ impl Options {
             return Err(Error::Settings(message));
         }
         self.resize(&mut settings);
-        settings.crop = self.crop.or(settings.crop);
+        let size = [settings.width, settings.height];
+        settings.crop = self.crop.map(|window| window.within(size)).or(settings.crop);
         settings.filter = self.filter.unwrap_or(settings.filter);
         settings.max_depth = self.max_depth.unwrap_or(settings.max_depth);
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use crate::Result;
 use crate::denoise::Denoiser;
-use crate::film::{Denoised, Picture};
+use crate::film::Denoised;
+use crate::film::strips::{Strips, image};
 use crate::image::{Image, metrics};
 use crate::session::files::{OutputFiles, PictureFiles};
 use crate::session::progress::{Event, Watch};
@@ -61,14 +62,25 @@ impl Output {
     }
 
     /// Error of `picture`, if there is a reference.
-    pub fn measure(&self, picture: &Picture) -> Result<Option<metrics::Metrics>> {
+    pub fn measure(&self, picture: &dyn Strips) -> Result<Option<metrics::Metrics>> {
         let reference = self.reference.as_ref();
-        reference.map(|reference| metrics::compare(&picture.image(), reference)).transpose()
+        reference.map(|reference| metrics::compare(&image(picture)?, reference)).transpose()
     }
 
-    /// The picture without noise, if a denoiser is wanted.
-    pub fn denoise(&self, picture: &Picture) -> Result<Option<Denoised>> {
-        self.denoiser.as_ref().map(|denoiser| denoiser.denoise_picture(picture)).transpose()
+    /// Whether errors are measured against a reference.
+    pub fn measures(&self) -> bool {
+        self.reference.is_some()
+    }
+
+    /// Whether the last picture is denoised.
+    pub fn denoises(&self) -> bool {
+        self.denoiser.is_some()
+    }
+
+    /// The picture without noise, if a denoiser is wanted. A denoiser needs a whole picture.
+    pub fn denoise(&self, picture: &dyn Strips) -> Result<Option<Denoised>> {
+        let denoiser = self.denoiser.as_ref().zip(picture.whole());
+        denoiser.map(|(denoiser, picture)| denoiser.denoise_picture(picture)).transpose()
     }
 
     /// Whether the interval between two writings of the unfinished picture has passed.
@@ -80,7 +92,7 @@ impl Output {
     /// Writes the picture's files.
     pub fn write(
         &self,
-        picture: &Picture,
+        picture: &dyn Strips,
         denoised: Option<&Denoised>,
         attributes: &[(String, String)],
         watch: &Watch<'_>,

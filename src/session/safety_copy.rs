@@ -37,7 +37,10 @@ impl SafetyCopy {
 
     /// Copies the picture after a step, if the interval has passed.
     pub fn after_step(&mut self, fleet: &Fleet) -> Result<()> {
-        if fleet.first().is_stopped() || self.taken.elapsed() < self.every.max(self.cost * READING_SHARE) {
+        if fleet.first().is_stopped()
+            || !fleet.first().has_copies()
+            || self.taken.elapsed() < self.every.max(self.cost * READING_SHARE)
+        {
             return Ok(());
         }
         let begin = Instant::now();

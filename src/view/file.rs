@@ -5,8 +5,9 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use crate::Result;
-use crate::image::exr;
+use crate::files::has_extension;
 use crate::image::layers::{Layers, Samples};
+use crate::image::{color, exr};
 use crate::view::board::{Board, Phase};
 use crate::view::names::file_name;
 use crate::view::server::Server;
@@ -25,7 +26,7 @@ impl FileView {
     /// Serves the picture in the file `path` at `address`.
     ///
     /// # Errors
-    /// Where the file is no EXR picture, or the address cannot be used.
+    /// Where the file is no picture, or the address cannot be used.
     pub fn start(path: &Path, address: &str) -> Result<Self> {
         let layers = read(path)?;
         let board = Arc::new(Board::default());
@@ -74,8 +75,9 @@ impl FileView {
 
 /// Layers of a picture that lodestar has written, or the color of another one.
 fn read(path: &Path) -> Result<Layers> {
-    exr::read_layers(path).map(|(layers, _)| layers).or_else(|_| {
-        let image = exr::read_rgb(path)?;
+    let layers = if has_extension(path, "exr") { exr::read_layers(path).ok() } else { None };
+    layers.map(|(layers, _)| Ok(layers)).unwrap_or_else(|| {
+        let (image, _) = color::read(path)?;
         let (width, height) = (image.width, image.height);
         let channel = |c: usize| Samples::Floats(image.pixels.iter().map(|pixel| pixel[c]).collect());
         let channels = ["R", "G", "B"].into_iter().enumerate().map(|(c, name)| (name.to_owned(), channel(c)));

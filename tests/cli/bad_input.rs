@@ -280,7 +280,7 @@ fn wrong_usage_exits_with_2() {
         (&["--crop", "1,2,3"], "--crop"),
         (&["--crop", "-1,2,3,4"], "--crop"),
         (&["-D", "gray"], "-D"),
-        (&["-o", "picture.jpg"], ".exr or .png"),
+        (&["-o", "picture.gif"], ".exr, .png, .jpg, .tif or .hdr"),
         (&["--sampler", "magic"], "bsdf, rejection-mix"),
         (&["--fast"], "--fast"),
         (&["--seed"], "--seed"),

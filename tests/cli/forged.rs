@@ -55,7 +55,11 @@ fn only_pictures_are_written() {
     std::os::unix::fs::symlink("notes.txt", folder.path("own/link.exr")).unwrap();
     for name in ["own/notes.txt", "own/.bashrc", "own/link.exr"] {
         name_pictures(&folder.path("own/a.ckpt"), &[&folder.path(name)]);
-        assert_sentence(&resume(&folder, "own", &[]), 1, &["a.ckpt: its picture is ", "ends in .exr or .png", "-o"]);
+        assert_sentence(
+            &resume(&folder, "own", &[]),
+            1,
+            &["a.ckpt: its picture is ", "ends in .exr, .png, .jpg, .tif or .hdr", "-o"],
+        );
     }
     assert_eq!(fs::read_to_string(folder.path("own/notes.txt")).unwrap(), "notes");
     assert!(!folder.path("own/.bashrc").exists());

@@ -36,6 +36,7 @@ fn a_scene_is_summarized() {
         ("disks", 1.into()),
         ("spheres", 1.into()),
         ("image_bytes", serde_json::Value::from(0)),
+        ("film_bytes", (64 * 32 * 9).into()),
     ];
     for (key, value) in expected {
         assert_eq!(found[key], value, "{key}");

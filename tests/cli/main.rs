@@ -17,6 +17,7 @@ mod info;
 mod inspect;
 mod kernel_dir;
 mod kills;
+mod large;
 mod length;
 mod log;
 mod merge;

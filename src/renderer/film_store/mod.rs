@@ -1,5 +1,6 @@
 //! The film on the device, and what a step's end does with it.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Result;
@@ -45,11 +46,11 @@ impl FilmStore {
         }
     }
 
-    /// Reads the picture so far, with the samples of a step under way.
-    pub fn picture(&self, frame: &Frame, settings: &Settings) -> Result<Picture> {
+    /// Reads rows of the picture so far, with the samples of a step under way.
+    pub fn picture(&self, frame: &Frame, settings: &Settings, rows: &Range<u32>) -> Result<Picture> {
         match self {
-            Self::Plain | Self::Adaptive(_) => frame.picture(settings),
-            Self::Part(sums) => sums.picture(frame, settings),
+            Self::Plain | Self::Adaptive(_) => frame.picture(settings, rows),
+            Self::Part(sums) => sums.picture(frame, settings, rows),
         }
     }
 
@@ -59,7 +60,9 @@ impl FilmStore {
         let of_page = |page: &FilmPage| page.samples([window.width, window.height]);
         match self {
             Self::Plain | Self::Adaptive(_) => frame.pages().iter().map(of_page).sum(),
-            Self::Part(sums) => Ok(sums.picture(frame, settings)?.sample_count.into_iter().map(u64::from).sum()),
+            Self::Part(sums) => {
+                Ok(sums.picture(frame, settings, &(0..window.height))?.sample_count.into_iter().map(u64::from).sum())
+            }
         }
     }
 

@@ -6,10 +6,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Result;
-use crate::film::Picture;
 use crate::film::features::FEATURE_CHANNELS;
 use crate::film::noise::TileNoise;
 use crate::film::sums::PixelSums;
+use crate::film::{PIXEL_BYTES, Picture};
 use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::{FilmFeatures, FilmRadiance, TilePlaces};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
@@ -181,15 +181,22 @@ impl FilmPage {
         &self.features
     }
 
-    /// Writes this page's pixels where they belong in the picture, some at a time, so that memory never holds them twice.
-    pub fn read_into(&self, picture: &mut Picture, settings: &Settings) -> Result<()> {
+    /// Writes the pixels with these indices where they belong in the picture, which begins with the window's row `first_row`. Some are
+    /// read at a time, so that memory never holds them twice.
+    pub fn read_into(
+        &self,
+        picture: &mut Picture,
+        settings: &Settings,
+        indices: &Range<u32>,
+        first_row: u32,
+    ) -> Result<()> {
         // Most neighbors have as many samples as each other. Nothing was sampled at first, which has no variance.
         let (mut samples, mut variance_scale) = (0, 0.0);
-        for pixels in self.runs() {
+        for pixels in runs(self.within(indices)) {
             let (radiance, features) = (self.radiance_of(&pixels)?, self.features_of(&pixels)?);
             for (index, (radiance, features)) in (self.first_pixel + pixels.start..).zip(radiance.iter().zip(&features))
             {
-                if let Some(at) = picture_index(index, picture) {
+                if let Some(at) = picture_index(index, picture, first_row) {
                     if radiance.sample_count != samples {
                         samples = radiance.sample_count;
                         variance_scale = settings.weight_sums(samples).variance_scale() as f32;
@@ -204,7 +211,7 @@ impl FilmPage {
     /// Number of samples of all pixels of the window of this width and height.
     pub fn samples(&self, window: [u32; 2]) -> Result<u64> {
         let mut sum = 0;
-        for pixels in self.runs() {
+        for pixels in runs(0..self.pixel_count) {
             let radiance = self.radiance_of(&pixels)?;
             let inside = (self.first_pixel + pixels.start..).zip(&radiance).filter(|&(index, _)| {
                 let (x, y) = tile_order_pixel(index, window[0]);
@@ -215,10 +222,10 @@ impl FilmPage {
         Ok(sum)
     }
 
-    /// Ranges of the page's pixels that are read at a time.
-    fn runs(&self) -> impl Iterator<Item = Range<u32>> {
-        let count = self.pixel_count;
-        (0..count).step_by(READ_PIXELS as usize).map(move |first| first..count.min(first + READ_PIXELS))
+    /// The page's pixels among those with these indices, counted from its first one.
+    fn within(&self, indices: &Range<u32>) -> Range<u32> {
+        let place = |index: u32| index.saturating_sub(self.first_pixel).min(self.pixel_count);
+        place(indices.start)..place(indices.end)
     }
 
     fn radiance_of(&self, pixels: &Range<u32>) -> Result<Vec<FilmRadiance>> {
@@ -229,17 +236,33 @@ impl FilmPage {
         self.features.read(u64::from(pixels.start) * size_of::<FilmFeatures>() as u64, pixels.len())
     }
 
-    /// Reads every pixel's moments, in tile order.
-    pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
-        let all = 0..self.pixel_count;
-        Ok((self.radiance_of(&all)?, self.features_of(&all)?))
+    /// Reads the moments of the pixels with these indices, in tile order.
+    pub fn read(&self, indices: &Range<u32>) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
+        let pixels = self.within(indices);
+        Ok((self.radiance_of(&pixels)?, self.features_of(&pixels)?))
     }
 }
 
-/// Index in the picture of the pixel with an index in tile order; none beyond the picture's border.
-pub(crate) fn picture_index(index: u32, picture: &Picture) -> Option<usize> {
+/// Ranges of pixels that are read at a time.
+fn runs(pixels: Range<u32>) -> impl Iterator<Item = Range<u32>> {
+    let end = pixels.end;
+    pixels.step_by(READ_PIXELS as usize).map(move |first| first..end.min(first + READ_PIXELS))
+}
+
+/// Index in the picture, which begins with the window's row `first_row`, of the pixel with an index in tile order; none beyond the
+/// picture's border.
+pub(crate) fn picture_index(index: u32, picture: &Picture, first_row: u32) -> Option<usize> {
     let (x, y) = tile_order_pixel(index, picture.width);
+    let y = y.checked_sub(first_row)?;
     (x < picture.width && y < picture.height).then(|| y as usize * picture.width as usize + x as usize)
+}
+
+/// Indices, in tile order, of the tiles that hold these rows of the window.
+pub(crate) fn indices_of(rows: &Range<u32>, settings: &Settings) -> Range<u32> {
+    let of_row_of_tiles = u64::from(settings.window().width.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS);
+    // A film has at most 2^32 pixels, and its last index is below that.
+    let index = |row_of_tiles: u32| u32::try_from(u64::from(row_of_tiles) * of_row_of_tiles).unwrap_or(u32::MAX);
+    index(rows.start / TILE_SIDE)..index(rows.end.div_ceil(TILE_SIDE))
 }
 
 /// Twin of the GLSL function of the same name.
@@ -250,14 +273,12 @@ fn tile_order_pixel(index: u32, width: u32) -> (u32, u32) {
     (x * TILE_SIDE + within % TILE_SIDE, y * TILE_SIDE + within / TILE_SIDE)
 }
 
-/// A picture without samples, of the size that the settings ask for.
-pub(crate) fn empty_picture(settings: &Settings) -> Picture {
-    let Crop { x, y, width, height } = settings.window();
-    Picture::empty(width, height, [x, y], [settings.width, settings.height])
+/// A picture without samples of these rows of the window.
+pub(crate) fn empty_picture(settings: &Settings, rows: &Range<u32>) -> Picture {
+    let Crop { x, y, width, .. } = settings.window();
+    Picture::empty(width, rows.end - rows.start, [x, y + rows.start], [settings.width, settings.height])
 }
 
-/// Bytes that a pixel takes on the device.
-const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64;
 /// Bytes that a pixel takes on the host when it is read back.
 const HOST_PIXEL_BYTES: u64 = 36 + 4 * FEATURE_CHANNELS as u64;
 /// Bytes on the host that a pixel of a part of a picture takes besides: its sums, in tile order, and those of a picture that is
@@ -270,10 +291,17 @@ pub(crate) fn film_bytes(settings: &Settings) -> u64 {
     padded_pixels(settings).saturating_mul(PIXEL_BYTES + of_half)
 }
 
+/// Pixels of the largest film of which the host keeps a whole copy where the device's memory is the host's own. Larger ones are read
+/// some rows at a time, and have no safety copy.
+pub(crate) const MOST_WHOLE_PIXELS: u64 = 1 << 22;
+
 /// Bytes that reading it back takes of the host.
-pub(crate) fn host_film_bytes(settings: &Settings) -> u64 {
+pub(crate) fn host_film_bytes(settings: &Settings, is_cpu: bool) -> u64 {
+    let pixels = padded_pixels(settings);
     let of_part = if settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { 0 };
-    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part)
+    let is_in_rows = is_cpu && pixels > MOST_WHOLE_PIXELS;
+    let of_film = if is_in_rows { u64::from(READ_PIXELS) } else { pixels } * HOST_PIXEL_BYTES;
+    of_film.saturating_add(pixels.saturating_mul(of_part))
 }
 
 /// Pixels of the whole tiles that cover the window.

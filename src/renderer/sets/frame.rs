@@ -1,5 +1,6 @@
 //! Set 0, Frame: film pages, scene constants, materials, emitters and counters.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::Mat4;
@@ -17,7 +18,7 @@ use crate::generated::kernels::{self, Kernels};
 use crate::generated::layout;
 use crate::generated::layout::SceneConstants;
 use crate::gpu::{Buffer, BufferKind, Context, Recorder, SetShape};
-use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture};
+use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture, indices_of};
 use crate::renderer::persistent::{Persistent, Span};
 use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape, word_buffer_kind};
 use crate::renderer::statistics::Counts;
@@ -176,9 +177,10 @@ impl Frame {
         parts
     }
 
-    pub fn picture(&self, settings: &Settings) -> Result<Picture> {
-        let mut picture = empty_picture(settings);
-        self.pages.iter().try_for_each(|page| page.read_into(&mut picture, settings))?;
+    /// Rows of the picture.
+    pub fn picture(&self, settings: &Settings, rows: &Range<u32>) -> Result<Picture> {
+        let (mut picture, indices) = (empty_picture(settings, rows), indices_of(rows, settings));
+        self.pages.iter().try_for_each(|page| page.read_into(&mut picture, settings, &indices, rows.start))?;
         Ok(picture)
     }
 }

@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 use crate::film::Picture;
 use crate::fleet::Fleet;
 use crate::gpu::Context;
+use crate::image::metrics::Metrics;
 use crate::renderer::{Renderer, StepReport};
 use crate::session::checkpoints::Checkpoints;
 use crate::session::history::History;
@@ -29,6 +30,7 @@ use crate::session::profile::Summary;
 use crate::session::profiler::Profiler;
 use crate::session::progress::{Ending, Event, Watch};
 use crate::session::safety_copy::CopiedPicture;
+use crate::session::source::Source;
 use crate::session::statistics::StepStatistics;
 use crate::session::subject::Subject;
 use crate::settings::Settings;
@@ -159,9 +161,14 @@ impl Running {
         let mut step = StepStatistics::new(spp.into(), paths, self.pixels(), report.seconds, &report.counts);
         // Errors are measured after steps 1, 2, 4, 8, ..., because error curves have logarithmic axes.
         if (self.history.steps.len() + 1).is_power_of_two() {
-            step.errors = self.output.measure(&self.fleet.picture()?)?;
+            step.errors = self.measured()?;
         }
         Ok(step)
+    }
+
+    /// Error of the picture so far, if there is a reference.
+    fn measured(&self) -> Result<Option<Metrics>> {
+        if self.output.measures() { self.output.measure(&self.source()?) } else { Ok(None) }
     }
 
     /// Calls `act` with the checkpoints, if there are any.
@@ -245,6 +252,11 @@ impl Running {
     /// The picture so far.
     pub fn picture(&self) -> Result<Picture> {
         self.fleet.picture()
+    }
+
+    /// The picture so far, for files. A large one is not read back as a whole.
+    pub fn source(&self) -> Result<Source<'_>> {
+        Source::of(&self.fleet, self.output.denoises())
     }
 
     /// The first device, which has the guide and the numbers of all.

@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::film::ranges::SampleRanges;
+use crate::film::strips::{SampleCounts, Strips};
 use crate::film::{Denoised, Picture};
 use crate::image::metrics::Metrics;
 use crate::session::devices::device_name;
@@ -49,13 +50,18 @@ impl Running {
 
     /// Names and values that the header of a picture's file holds.
     pub fn attributes(&self, picture: &Picture) -> Vec<(String, String)> {
+        self.attributes_of(picture.sample_count.iter().copied().max().unwrap_or(0))
+    }
+
+    /// Names and values for a picture of which no pixel has more samples.
+    fn attributes_of(&self, most_samples: u32) -> Vec<(String, String)> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
         // Where the device has chosen the traversal, the picture names the one that it has.
         let settings = Settings { traversal: self.renderer().traversal(), ..self.settings.clone() };
         let mut attributes = identity::attributes(scene_hash, &settings);
         attributes.extend([
-            ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),
-            ("spp".into(), most_samples(picture).to_string()),
+            ("sample_ranges".into(), SampleRanges::of_picture(most_samples, &self.settings).to_string()),
+            ("spp".into(), most_samples.to_string()),
             ("seconds".into(), format!("{:.3}", self.history.seconds)),
             ("device".into(), device_name(&self.context)),
             ("scene".into(), scene_path.display().to_string()),
@@ -67,8 +73,19 @@ impl Running {
     }
 
     /// Writes the picture's files.
-    pub fn write_pictures(&self, picture: &Picture, denoised: Option<&Denoised>, watch: &Watch<'_>) -> Result<()> {
-        self.output.write(picture, denoised, &self.attributes(picture), watch)
+    pub fn write_pictures(&self, picture: &dyn Strips, watch: &Watch<'_>) -> Result<()> {
+        self.write_counted(picture, SampleCounts::of(picture)?, None, watch)
+    }
+
+    /// Writes like [`Running::write_pictures`] a picture whose samples are counted, with a denoised layer if there is one.
+    pub fn write_counted(
+        &self,
+        picture: &dyn Strips,
+        counts: SampleCounts,
+        denoised: Option<&Denoised>,
+        watch: &Watch<'_>,
+    ) -> Result<()> {
+        self.output.write(picture, denoised, &self.attributes_of(counts.most), watch)
     }
 
     /// Writes the unfinished picture if its interval has passed.
@@ -76,7 +93,7 @@ impl Running {
         if !self.output.is_due() || self.is_done(watch) {
             return Ok(());
         }
-        let written = self.write_pictures(&self.picture()?, None, watch);
+        let written = self.write_pictures(&self.source()?, watch);
         self.output.note_writing(&written, watch);
         Ok(())
     }
@@ -115,9 +132,4 @@ impl Running {
             steps,
         }
     }
-}
-
-/// Largest number of samples of a pixel. Pixels have fewer where noise has ended them, or where the last step was cut short.
-fn most_samples(picture: &Picture) -> u32 {
-    picture.sample_count.iter().copied().max().unwrap_or(0)
 }

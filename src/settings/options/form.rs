@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::duration::seconds;
 use crate::files;
 use crate::image::Exposure;
-use crate::scene::Crop;
+use crate::scene::{Crop, Window};
 use crate::settings::UNLIMITED_DEPTH;
 
 /// Value that an option takes.
@@ -86,15 +86,28 @@ pub fn define(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// Window of the film.
+/// Window of the film, in pixels or in shares of the film.
 ///
 /// # Errors
 /// How it is written.
-pub fn crop(text: &str) -> Result<Crop, String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
-        _ => Err("write it as X,Y,W,H: four whole numbers, W and H above 0".into()),
+pub fn crop(text: &str) -> Result<Window, String> {
+    let parts: Vec<_> = text.split(',').map(str::trim).collect();
+    let pixels: Option<Vec<u32>> = parts.iter().map(|number| number.parse().ok()).collect();
+    let shares = parts.iter().map(|number| Some(number.strip_suffix('%')?.trim().parse::<f64>().ok()? / 100.0));
+    let shares: Option<Vec<f64>> = shares.collect();
+    match (pixels.as_deref(), shares.as_deref()) {
+        (Some(&[x, y, width, height]), _) if width > 0 && height > 0 => {
+            Ok(Window::Pixels(Crop { x, y, width, height }))
+        }
+        (_, Some(&[x, y, width, height]))
+            if x >= 0.0 && y >= 0.0 && width > 0.0 && height > 0.0 && x + width <= 1.0 && y + height <= 1.0 =>
+        {
+            Ok(Window::Shares([x, y, width, height]))
+        }
+        (_, Some([_, _, _, _])) => Err("the window must lie within 0% and 100% of the film, W and H above 0%".into()),
+        _ => Err("write it as X,Y,W,H: four whole numbers of pixels, or four shares of the film such as \
+                  25%,25%,50%,50%; W and H above 0"
+            .into()),
     }
 }
 
@@ -159,9 +172,11 @@ pub fn milliseconds(text: &str) -> Result<f64, String> {
 pub fn output_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match () {
-        () if text == "-" => Err("no picture goes to standard output; name a file that ends in .exr or .png".into()),
+        () if text == "-" => {
+            Err("no picture goes to standard output; name a file that ends in .exr, .png, .jpg, .tif or .hdr".into())
+        }
         () if files::is_picture(&path) => Ok(path),
-        () => Err("the name must end in .exr or .png".into()),
+        () => Err("the name must end in .exr, .png, .jpg, .tif or .hdr".into()),
     }
 }
 

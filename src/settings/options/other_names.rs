@@ -30,7 +30,7 @@ const OTHER_NAMES: &[OtherNames] = &[
     other(
         &["threads", "nthreads", "num-threads", "jobs"],
         "",
-        "the device uses all its cores; lavapipe reads LP_NUM_THREADS",
+        "the device uses all its cores; the variable LP_NUM_THREADS sets the threads of lavapipe, RAYON_NUM_THREADS those of reading scenes",
     ),
     other(&["frame", "animation", "frame-start", "frame-range"], "frames", "the frames to render"),
 ];

@@ -206,7 +206,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Render this window of the film only",
-        long: "Position and size are in pixels, from the film's top left corner.",
+        long: "Position and size are in pixels from the film's top left corner, or in shares of the film with percent signs: \
+               25%,25%,50%,50% is its middle.",
         default: "the scene's",
         form: Form::CROP,
         ..further(Scene, "crop", "X,Y,W,H")
@@ -219,9 +220,9 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..further(Scene, "rfilter", "box|tent|gaussian")
     },
     OptionEntry {
-        short: "Picture file, .exr or .png",
-        long: "It may be given several times. An .exr file holds every layer. A .png file is written by --tone and --exposure. The \
-               folder must exist.",
+        short: "Picture file, such as a.exr",
+        long: "It may be given several times. The name ends in .exr, .png, .jpg, .tif or .hdr. An .exr file holds every layer. --tone and --exposure make a .png or .jpg file (8 bits per channel) \
+               and a .tif file (16 bits). A .hdr file (RGBE) holds linear values. The folder must exist.",
         default: "the scene's name with .exr",
         form: Form::PICTURE,
         letter: Some('o'),
@@ -230,16 +231,17 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..of_files(Everyone, "output", "FILE")
     },
     OptionEntry {
-        short: "Tone curve of PNG files",
-        long: "srgb is the sRGB transfer function; values above 1 are white. paper compresses highlights by luminance.",
+        short: "Tone curve: srgb, paper, agx, filmic or aces",
+        long: "PNG, JPEG and TIFF files have it. srgb is the sRGB transfer function; values above 1 are white. paper compresses highlights by luminance. agx is Troy \
+               Sobotka's AgX in Benjamin Wrensch's form, filmic is John Hable's curve, and aces is Stephen Hill's fit.",
         default: "srgb",
-        form: Form::OneOf(&["srgb", "paper"]),
+        form: Form::OneOf(&["srgb", "paper", "agx", "filmic", "aces"]),
         resume: Resume::Kept,
-        ..of_files(Everyone, "tone", "srgb|paper")
+        ..of_files(Everyone, "tone", "CURVE")
     },
     OptionEntry {
-        short: "Brighten PNG files by 2^STOPS",
-        long: "`auto` makes 95 % of the pixels that show a surface darker than 0.8. The stops are printed. EXR files keep their values.",
+        short: "Brighten pictures by 2^STOPS",
+        long: "`auto` makes 95 % of the pixels that show a surface darker than 0.8. The stops are printed. EXR and HDR files keep their values.",
         default: "auto for glTF, otherwise 0",
         form: Form::EXPOSURE,
         resume: Resume::Kept,
@@ -254,7 +256,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Denoise the last picture by Open Image Denoise",
-        long: "An .exr file has it as a layer of its own, denoised, beside the unbiased radiance; a .png file shows it. A denoised \
+        long: "An .exr file has it as a layer of its own, denoised, beside the unbiased radiance; other files show it. A denoised \
                picture is biased. The library is not part of Lodestar.",
         form: Form::Switch,
         ..of_files(Everyone, "denoise", "")

@@ -1,0 +1,250 @@
+//! Files of color alone, for other programs: PNG, JPEG and TIFF for screens, and Radiance HDR with linear values.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use ::image::codecs::hdr::HdrEncoder;
+use ::image::codecs::jpeg::JpegEncoder;
+use ::image::codecs::png::PngEncoder;
+use ::image::{ExtendedColorType, ImageEncoder};
+
+use super::{Image, ToneCurve};
+use crate::Result;
+use crate::files::{has_extension, write_whole};
+
+/// Formats of color files by the endings of their names.
+const ENDINGS: [(&str, Format); 6] = [
+    ("png", Format::Png),
+    ("jpg", Format::Jpeg),
+    ("jpeg", Format::Jpeg),
+    ("tif", Format::Tiff),
+    ("tiff", Format::Tiff),
+    ("hdr", Format::Hdr),
+];
+/// Quality of JPEG files, from 1 to 100.
+const JPEG_QUALITY: u8 = 95;
+/// Largest value of an HDR file. Its exponents end at 2^127.
+const LARGEST_HDR: f32 = 1.0e38;
+
+/// Format of a file of color alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// 8 bits per channel, without loss.
+    Png,
+    /// 8 bits per channel, with loss.
+    Jpeg,
+    /// 16 bits per channel, not compressed.
+    Tiff,
+    /// Radiance's RGBE: linear values, 8 bits per channel and a common exponent.
+    Hdr,
+}
+
+impl Format {
+    /// Format that the ending of a name asks for; `None` for other names, such as those of EXR files.
+    pub fn of(path: &Path) -> Option<Self> {
+        ENDINGS.iter().find(|(ending, _)| has_extension(path, ending)).map(|&(_, format)| format)
+    }
+
+    /// Whether tone curve and exposure make the values, for a screen.
+    pub fn is_for_screens(self) -> bool {
+        self != Self::Hdr
+    }
+}
+
+/// Colors of a picture in the form of a file. They come some pixels at a time.
+pub struct Canvas {
+    format: Format,
+    size: [u32; 2],
+    curve: ToneCurve,
+    scale: f64,
+    bytes: Vec<u8>,
+}
+
+impl Canvas {
+    /// A picture of this width and height without pixels yet. For screens, colors are scaled by `2^exposure_stops` and shown through
+    /// `curve`.
+    pub fn new(format: Format, size: [u32; 2], curve: ToneCurve, exposure_stops: f32) -> Self {
+        let bytes_per_pixel = match format {
+            Format::Png | Format::Jpeg => 3,
+            Format::Tiff => 6,
+            Format::Hdr => 12,
+        };
+        let bytes = Vec::with_capacity(bytes_per_pixel * size[0] as usize * size[1] as usize);
+        Self { format, size, curve, scale: f64::from(exposure_stops).exp2(), bytes }
+    }
+
+    /// A whole image.
+    pub fn of_image(format: Format, image: &Image, curve: ToneCurve, exposure_stops: f32) -> Self {
+        let mut canvas = Self::new(format, [image.width, image.height], curve, exposure_stops);
+        canvas.add(&image.pixels);
+        canvas
+    }
+
+    /// Adds the next pixels, row by row from the top left.
+    pub fn add(&mut self, pixels: &[[f32; 3]]) {
+        let Self { curve, scale, .. } = *self;
+        let show = |pixel: &[f32; 3]| curve.apply(pixel.map(|value| f64::from(value) * scale));
+        match self.format {
+            Format::Png | Format::Jpeg => {
+                self.bytes.extend(pixels.iter().flat_map(|pixel| show(pixel).map(|value| level(value, 255.0) as u8)));
+            }
+            Format::Tiff => {
+                let level = |value| (level(value, 65_535.0) as u16).to_le_bytes();
+                self.bytes.extend(pixels.iter().flat_map(|pixel| show(pixel).map(level)).flatten());
+            }
+            Format::Hdr => {
+                // Negative values and NaN become 0.
+                let bounded = |value: f32| {
+                    let value: f32 = if value > 0.0 { value.min(LARGEST_HDR) } else { 0.0 };
+                    value.to_ne_bytes()
+                };
+                self.bytes.extend(pixels.iter().flat_map(|pixel| pixel.map(bounded)).flatten());
+            }
+        }
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// Where the file cannot be written, or its format has not so many pixels.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        write_whole(path, |writer| self.encode(writer))
+    }
+
+    /// Writes like [`Canvas::write`], but to any writer.
+    ///
+    /// # Errors
+    /// Where the writer fails, or the format has not so many pixels.
+    pub fn encode(&self, writer: impl Write) -> io::Result<()> {
+        let [width, height] = self.size;
+        let encoded = match self.format {
+            Format::Png => PngEncoder::new(writer).write_image(&self.bytes, width, height, ExtendedColorType::Rgb8),
+            Format::Jpeg => {
+                let encoder = JpegEncoder::new_with_quality(writer, JPEG_QUALITY);
+                encoder.write_image(&self.bytes, width, height, ExtendedColorType::Rgb8)
+            }
+            Format::Hdr => HdrEncoder::new(writer).write_image(&self.bytes, width, height, ExtendedColorType::Rgb32F),
+            Format::Tiff => return self.encode_tiff(writer),
+        };
+        encoded.map_err(io::Error::other)
+    }
+
+    /// Writes a baseline TIFF file: a header, a directory, and the rows as one strip.
+    fn encode_tiff(&self, mut writer: impl Write) -> io::Result<()> {
+        const SHORT: u16 = 3;
+        const LONG: u16 = 4;
+        const RATIONAL: u16 = 5;
+        let [width, height] = self.size;
+        // Fields of the directory: tag, type, number of values, and the value or its place.
+        let fields = 13;
+        let bits = 8 + 2 + 12 * fields + 4;
+        let (resolution, pixels) = (bits + 6, bits + 6 + 8);
+        let length = u32::try_from(self.bytes.len()).ok().filter(|length| length.checked_add(pixels).is_some());
+        let length = length.ok_or_else(|| io::Error::other("a TIFF file holds less than 4 GiB; write an .exr file"))?;
+        let directory: [(u16, u16, u32, u32); 13] = [
+            (256, LONG, 1, width),
+            (257, LONG, 1, height),
+            (258, SHORT, 3, bits),
+            // Not compressed, red, green and blue.
+            (259, SHORT, 1, 1),
+            (262, SHORT, 1, 2),
+            (273, LONG, 1, pixels),
+            (277, SHORT, 1, 3),
+            (278, LONG, 1, height),
+            (279, LONG, 1, length),
+            // One pixel per pixel, without a unit.
+            (282, RATIONAL, 1, resolution),
+            (283, RATIONAL, 1, resolution),
+            // Channels of a pixel lie side by side.
+            (284, SHORT, 1, 1),
+            (296, SHORT, 1, 1),
+        ];
+        writer.write_all(b"II\x2a\0\x08\0\0\0")?;
+        writer.write_all(&(directory.len() as u16).to_le_bytes())?;
+        for (tag, kind, count, value) in directory {
+            writer.write_all(&[tag.to_le_bytes(), kind.to_le_bytes()].concat())?;
+            writer.write_all(&[count.to_le_bytes(), value.to_le_bytes()].concat())?;
+        }
+        // There is no other directory. Then the bits of each channel, and the resolution as a quotient.
+        writer.write_all(&[0; 4])?;
+        writer.write_all(&[16, 0, 16, 0, 16, 0, 1, 0, 0, 0, 1, 0, 0, 0])?;
+        writer.write_all(&self.bytes)
+    }
+}
+
+/// Level nearest to a value in [0, 1], of which `most` is the largest. Values outside are clamped, and NaN becomes 0.
+fn level(value: f64, most: f64) -> f64 {
+    (most * value).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::texels::{self, FileTexels};
+
+    const COLORS: [[f32; 3]; 4] = [[1.0, 0.0, 0.5], [0.25, 7.0, f32::NAN], [-1.0, 0.001, f32::INFINITY], [0.2; 3]];
+
+    fn written(name: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        let image = Image { width: 2, height: 2, pixels: COLORS.to_vec() };
+        Canvas::of_image(Format::of(&path).unwrap(), &image, ToneCurve::Srgb, 0.0).write(&path).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn endings_have_formats() {
+        let of = |name: &str| Format::of(Path::new(name));
+        assert_eq!([of("a.JPG"), of("a.jpeg")], [Some(Format::Jpeg); 2]);
+        assert_eq!([of("a.tif"), of("a.Tiff")], [Some(Format::Tiff); 2]);
+        assert_eq!((of("a.png"), of("a.hdr"), of("a.exr")), (Some(Format::Png), Some(Format::Hdr), None));
+    }
+
+    #[test]
+    fn hdr_files_keep_linear_values() {
+        let (_folder, path) = written("a.hdr");
+        let FileTexels::Linear(texels) = texels::read(&path).unwrap().texels else { panic!("floats") };
+        for (texel, color) in texels.iter().zip(COLORS) {
+            let largest = color.iter().copied().filter(|value| value.is_finite()).fold(0.0, f32::max);
+            for (&read, value) in texel.iter().zip(color) {
+                let expected = if value > 0.0 { value.min(LARGEST_HDR) } else { 0.0 };
+                let is_small = color.contains(&f32::INFINITY) && value.is_finite();
+                assert!(is_small || (read - expected).abs() <= largest.max(expected) / 128.0, "{read}, {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn jpeg_files_show_the_levels_roughly() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jpg");
+        let image = Image { width: 16, height: 16, pixels: vec![[0.2, 0.5, 0.1]; 256] };
+        Canvas::of_image(Format::Jpeg, &image, ToneCurve::Srgb, 0.0).write(&path).unwrap();
+        let FileTexels::Bytes(texels) = texels::read(&path).unwrap().texels else { panic!("bytes") };
+        // 255 * srgb(0.2) = 123.5, 255 * srgb(0.5) = 187.5, 255 * srgb(0.1) = 88.9
+        for (level, expected) in texels[100].iter().zip([124, 188, 89_u8]) {
+            assert!(level.abs_diff(expected) <= 3, "{level} is not {expected}");
+        }
+    }
+
+    /// Reads the fields of the directory, as a reader of baseline files does.
+    #[test]
+    fn tiff_files_have_sixteen_bits() {
+        let (_folder, path) = written("a.tif");
+        let bytes = std::fs::read(&path).unwrap();
+        let short = |at: usize| u32::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
+        let long = |at: usize| short(at) | short(at + 2) << 16;
+        let field = |tag: u32| (0..short(8) as usize).map(|i| 10 + 12 * i).find(|&at| short(at) == tag).unwrap();
+        assert_eq!((&bytes[..4], long(4)), (&b"II\x2a\0"[..], 8));
+        assert_eq!((long(field(256) + 8), long(field(257) + 8), long(field(277) + 8)), (2, 2, 3));
+        let (bits, pixels) = (long(field(258) + 8) as usize, long(field(273) + 8) as usize);
+        assert_eq!([short(bits), short(bits + 2), short(bits + 4)], [16; 3]);
+        assert_eq!((long(field(279) + 8), bytes.len()), (24, pixels + 24));
+        // 65535 * srgb(0.5) = 48192.1, and 65535 * srgb(0.001) = 846.7
+        assert_eq!([short(pixels), short(pixels + 2), short(pixels + 4)], [65_535, 0, 48_192]);
+        assert_eq!(
+            [short(pixels + 10), short(pixels + 12), short(pixels + 14), short(pixels + 16)],
+            [0, 0, 847, 65_535]
+        );
+    }
+}

@@ -1,0 +1,66 @@
+//! Large pictures, which are read back some rows at a time, and the formats of files.
+
+use lodestar::film::read_picture;
+use lodestar::image::color;
+
+use crate::support::Folder;
+
+/// Bytes of a pixel on the device, which a copy of the picture takes in the host's memory, too.
+const PIXEL_BYTES: f64 = 64.0;
+/// Just above the size up to which pictures are read back whole.
+const SIZE: [&str; 4] = ["--width", "2112", "--height", "2000"];
+
+/// Memory that a render takes besides the buffers on its device.
+fn besides(folder: &Folder, arguments: &[&str]) -> Option<f64> {
+    let stats = folder.render(arguments);
+    let totals = &stats["totals"];
+    Some(totals["peak_resident_bytes"].as_f64()? - totals["peak_bytes"].as_f64()?)
+}
+
+/// A whole copy of the large picture would be twice the bound. Its rows have the bits of a window that is read back whole.
+#[test]
+fn a_large_picture_is_written_without_a_copy_of_it() {
+    let folder = Folder::new();
+    let common = ["--spp", "1", "--sampler", "bsdf"];
+    let [width, height] = [2112, 2000];
+    let small = besides(&folder, &[&common[..], &["--width", "64", "--height", "64", "-o", "small.exr"]].concat());
+    let large = besides(&folder, &[&common[..], &SIZE, &["-o", "large.exr"]].concat());
+    if let (Some(small), Some(large)) = (small, large) {
+        let copy = PIXEL_BYTES * f64::from(width * height);
+        assert!(large - small < copy / 2.0, "{} of {copy} bytes besides the film", large - small);
+    }
+    folder.render(&[&common[..], &SIZE, &["--crop", "0%,50%,100%,25%", "-o", "window.exr"]].concat());
+    let [large, window] = ["large.exr", "window.exr"].map(|name| read_picture(&folder.path(name)).unwrap().0);
+    assert_eq!([window.offset, [window.width, window.height]], [[0, 1000], [2112, 500]]);
+    let first = 1000 * width as usize;
+    let rows = first..first + window.radiance.len();
+    assert!(large.radiance[rows.clone()] == window.radiance && large.variance[rows.clone()] == window.variance);
+    assert!(large.albedo()[rows.clone()] == *window.albedo() && large.depth()[rows] == *window.depth());
+    assert_eq!((large.offset, large.full_size, large.view), ([0, 0], [2112, 2000], window.view));
+}
+
+#[test]
+fn pictures_have_the_format_that_their_names_ask_for() {
+    let folder = Folder::new();
+    let names = ["a.exr", "a.png", "a.jpg", "a.hdr", "a.tif"];
+    let outputs: Vec<_> = names.iter().flat_map(|name| ["-o", name]).collect();
+    folder.render(&[&["--width", "32", "--height", "32", "--spp", "8", "--tone", "agx"], &outputs[..]].concat());
+    let read = |name: &str| color::read(&folder.path(name)).unwrap();
+    let (exr, note) = read("a.exr");
+    assert_eq!(note, None);
+    let (hdr, note) = read("a.hdr");
+    assert_eq!(note, None);
+    for (hdr, exr) in hdr.pixels.iter().zip(&exr.pixels) {
+        let largest = exr.iter().copied().fold(0.0, f32::max);
+        assert!(hdr.iter().zip(exr).all(|(hdr, exr)| (hdr - exr).abs() <= largest / 64.0), "{hdr:?}, {exr:?}");
+    }
+    let (png, jpeg) = (read("a.png"), read("a.jpg"));
+    assert!([&png.1, &jpeg.1].iter().all(|note| note.as_ref().is_some_and(|note| note.contains("8 bits per channel"))));
+    let mean = |pixels: &[[f32; 3]]| pixels.iter().map(|pixel| pixel[1]).sum::<f32>() / pixels.len() as f32;
+    assert!((mean(&png.0.pixels) - mean(&jpeg.0.pixels)).abs() < 0.02);
+    assert_eq!(std::fs::read(folder.path("a.tif")).unwrap().len(), 184 + 6 * 32 * 32);
+    // `compare` takes any of them.
+    let output = folder.run(&["compare", "a.hdr", "a.png", "a.exr"]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("a.png: 8 bits per channel, taken as sRGB"));
+}
