@@ -3,7 +3,7 @@
 use crate::source::Source;
 
 /// Calls that open a file for reading.
-const OPENERS: [&str; 8] = [
+const OPENERS: [&str; 9] = [
     "File::open(",
     "OpenOptions::",
     "fs::read(",
@@ -11,6 +11,7 @@ const OPENERS: [&str; 8] = [
     "image::open(",
     "ImageReader::open(",
     "from_file(",
+    "tobj::load_obj(",
     "gltf::import(",
 ];
 

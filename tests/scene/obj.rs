@@ -1,4 +1,4 @@
-//! OBJ files: meshes written as text in many ways and read back, and lines of unusual forms.
+//! OBJ files: meshes written as text in many ways and read back, and lines that `tobj` alone reads differently.
 
 use glam::{DVec3, Vec2, Vec3};
 use lodestar::scene::{Primitive, Scene};
@@ -173,18 +173,19 @@ proptest! {
     }
 }
 
-/// Lines of unusual forms, each beside a plain file with the same meaning.
+/// Lines that `tobj` alone reads differently, each beside a plain file with the same meaning.
 #[test]
-fn lines_of_unusual_forms() {
+fn lines_that_tobj_takes_otherwise() {
     let plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let expected = load_mesh(plain, "").unwrap().primitives;
     for text in [
-        // More than three numbers are a divisor or a color to other readers.
+        // A fourth number is a divisor. Six numbers are a color, which all vertices then need. Other counts are
+        // refused.
         "v 0 0 0\nv 1 0 0 2\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv 1 0 0 0\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv 1 0 0 .5 .5 .5\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0 1 1\nv 1 0 0 # here\nv 0 1 0\nf 1 2 3\n",
-        // An `l` line is no face.
+        // `tobj` alone reads `l` lines as faces.
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\nf 1 2 3\nl 1 2\n",
         // Indices refer to later vertices, across an object.
         "f 1 2 3\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\n",
@@ -201,7 +202,7 @@ fn lines_of_unusual_forms() {
 }
 
 #[test]
-fn indices_and_numbers_out_of_range_are_refused() {
+fn what_tobj_passes_over_is_refused() {
     let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
     for (lines, part) in [
         ("f 1/0/1 2/1/1 3/1/1", "texture coordinate index 0"),
@@ -215,7 +216,7 @@ fn indices_and_numbers_out_of_range_are_refused() {
         let error = load_mesh(&format!("{vertices}{lines}\nf 1 2 3\n"), "").map(drop).expect_err(lines).to_string();
         assert!(error.contains("mesh.obj:6: ") && error.contains(part), "{lines}: {error}");
     }
-    // Indices of texture coordinates need some.
+    // Without texture coordinates, `tobj` ignores indices of them.
     let error = load_mesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "").map(drop).expect_err("none").to_string();
     assert!(error.contains("mesh.obj:4: texture coordinate index 1 is out of range; the file has 0"), "{error}");
 }

@@ -81,8 +81,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
 /// Text of a mesh without a byte order mark. Where lines end as on old Macs, by CR alone, they end by LF.
 fn plain_text(bytes: &[u8]) -> Cow<'_, [u8]> {
     let bytes = text::without_mark(bytes);
-    // Most files have an LF early.
-    match !bytes.contains(&b'\n') && bytes.contains(&b'\r') {
+    match bytes.contains(&b'\r') && !bytes.contains(&b'\n') {
         true => bytes.iter().map(|&byte| if byte == b'\r' { b'\n' } else { byte }).collect(),
         false => bytes.into(),
     }
