@@ -98,6 +98,11 @@ impl Bvh {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE)
     }
 
+    /// Whether any primitive is a disk that faces what it lights.
+    pub fn has_facing_disks(&self) -> bool {
+        self.surfaces().any(|(_, record, _)| record.flags & constants::PRIMITIVE_FACING != 0)
+    }
+
     /// Whether instances show any sphere.
     pub fn has_placed_spheres(&self) -> bool {
         let is_sphere = |p: &PrimitiveRecord| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE;
@@ -260,13 +265,17 @@ fn primitive_record(p: &Primitive) -> PrimitiveRecord {
         PrimitiveShape::Parallelogram => constants::SHAPE_PARALLELOGRAM,
         PrimitiveShape::Disk => constants::SHAPE_DISK,
         PrimitiveShape::Sphere => constants::SHAPE_SPHERE,
+        PrimitiveShape::FacingDisk { unseen: false } => constants::SHAPE_SPHERE | constants::PRIMITIVE_FACING,
+        PrimitiveShape::FacingDisk { unseen: true } => {
+            constants::SHAPE_SPHERE | constants::PRIMITIVE_FACING | constants::PRIMITIVE_UNSEEN
+        }
     };
     let flip = if p.flip_normal { constants::PRIMITIVE_FLIP_NORMAL } else { 0 };
     let normals = if p.normals.is_some() { constants::PRIMITIVE_VERTEX_NORMALS } else { 0 };
-    let front_only = p.front_only && p.shape != PrimitiveShape::Sphere;
+    let front_only = p.front_only && !p.shape.is_round();
     let front_only = if front_only { constants::PRIMITIVE_FRONT_ONLY } else { 0 };
     let longest = match p.shape {
-        PrimitiveShape::Sphere => p.edge_u.length(),
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => p.edge_u.length(),
         _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
     };
     let (plane, large) = plane::equation(p, longest);

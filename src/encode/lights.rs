@@ -26,10 +26,12 @@ use crate::encode::cells::morton_key;
 use crate::encode::textures::halves;
 use crate::generated::constants;
 use crate::generated::layout::{
-    BlockRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PlacedLightRecord, PrimitiveRecord,
-    SceneConstants, TEXEL_BYTES,
+    BlockRecord, ConeRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PlacedLightRecord,
+    PrimitiveRecord, SceneConstants, TEXEL_BYTES,
 };
-use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes, Scene, Textured};
+use crate::scene::{
+    AreaEmitter, Cone, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes, Scene, Textured,
+};
 use patches::Patches;
 use textured::{brightness, points_for};
 
@@ -39,6 +41,8 @@ const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / TEXEL_BYTES;
 /// Lights of a scene and their emission.
 pub struct Lights {
     emitters: Vec<EmitterRecord>,
+    /// Cone of each emitter; none where no emitter has one.
+    cones: Vec<ConeRecord>,
     lights: Vec<LightRecord>,
     /// Groups among which cells learn to choose; none where lights are drawn in proportion to their power.
     groups: Vec<LightGroupRecord>,
@@ -99,6 +103,7 @@ impl Lights {
         };
         Self {
             emitters: scene.emitters.iter().map(emitter_record).collect(),
+            cones: cone_records(&scene.emitters),
             total_power,
             lights,
             groups,
@@ -151,7 +156,7 @@ impl Lights {
     }
 
     /// Content of the buffer that the kernels read: emitters, lights, delta lights, table and map of the environment, then
-    /// groups of lights.
+    /// groups of lights, then cones.
     pub fn texels(&self) -> Vec<[u32; 4]> {
         let mut texels: Vec<[u32; 4]> = Vec::with_capacity(self.texel_count());
         texels.extend_from_slice(bytemuck::cast_slice(&self.emitters));
@@ -166,11 +171,17 @@ impl Lights {
             texels.extend(map_texels(map));
         }
         texels.extend_from_slice(bytemuck::cast_slice(&self.groups));
+        texels.extend_from_slice(bytemuck::cast_slice(&self.cones));
         texels
     }
 
     /// Number of texels in the buffer.
     pub fn texel_count(&self) -> usize {
+        self.first_cone() + self.cones.len()
+    }
+
+    /// Index of the texel at which the cones begin.
+    fn first_cone(&self) -> usize {
         self.first_group() + self.groups.len()
     }
 
@@ -191,6 +202,7 @@ impl Lights {
         constants.light_count = self.lights.len() as u32;
         constants.first_light = self.emitters.len() as u32;
         constants.first_light_group = self.first_group() as u32;
+        constants.first_cone = if self.cones.is_empty() { constants::NONE } else { self.first_cone() as u32 };
         constants.environment_light = constants::NONE;
         let Some(environment) = &self.environment else { return };
         let first_block = self.first_block();
@@ -340,7 +352,8 @@ fn area_lights(scene: &Scene, bvh: &Bvh) -> AreaLights {
             let maximum = brightest[attributes.emitter as usize].unwrap_or_default();
             brightness(&scene.textures[texture as usize], &scene.images, maximum, primitive, attributes, points)
         };
-        let radiance = mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
+        let of_cone = emitter.cone.map_or(1.0, |cone| cone.share());
+        let radiance = of_cone * mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
         let in_world = instance.map(|instance| shown(primitive, &bvh.attributes[instance as usize]));
         area(in_world.as_ref().unwrap_or(primitive)) * PI * radiance * f64::from(emitter.sampling_weight)
     };
@@ -403,6 +416,18 @@ fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
 fn emitter_record(emitter: &AreaEmitter) -> EmitterRecord {
     let Textured { value, texture } = emitter.radiance;
     EmitterRecord { radiance: value.into(), texture_index: texture.unwrap_or(constants::NONE) }
+}
+
+fn cone_records(emitters: &[AreaEmitter]) -> Vec<ConeRecord> {
+    if emitters.iter().all(|emitter| emitter.cone.is_none()) {
+        return Vec::new();
+    }
+    let record = |cone: Cone| {
+        let rise = cone.cos_beam - cone.cos_cutoff;
+        ConeRecord { slope: (cone.axis / rise).into(), offset: -cone.cos_cutoff / rise }
+    };
+    let none = ConeRecord { slope: [0.0; 3], offset: 1.0 };
+    emitters.iter().map(|emitter| emitter.cone.map_or(none, record)).collect()
 }
 
 fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {

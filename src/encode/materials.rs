@@ -69,6 +69,7 @@ pub(crate) fn features(scene: &Scene) -> u32 {
     if scene.emitters.iter().map(|emitter| emitter.radiance.texture).chain(pictures).any(|texture| texture.is_some()) {
         features |= constants::FEATURE_TEXTURED_EMITTERS;
     }
+    features |= if scene.emitters.iter().any(|emitter| emitter.cone.is_some()) { constants::FEATURE_CONES } else { 0 };
     let media = &scene.media.all;
     features |= if media.iter().any(|medium| medium.volumes.is_some()) { constants::FEATURE_VOLUMES } else { 0 };
     features |= if media.iter().any(|medium| medium.emission != Vec3::ZERO) { constants::FEATURE_GLOW } else { 0 };

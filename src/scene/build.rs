@@ -115,6 +115,17 @@ impl Scene {
         self.primitives.push(Primitive { uvs: [Vec2::ONE; 3], ..sphere });
     }
 
+    /// Adds a lamp that is a disk which faces what it lights. All other light passes it.
+    pub fn add_facing_disk(&mut self, center: impl Into<Vec3>, radius: f32, radiance: impl Into<Vec3>) {
+        self.emitters.push(AreaEmitter::new(Textured::constant(radiance.into())));
+        let opacity = Textured::constant(0.0);
+        let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
+        let null = self.add_material(SurfaceMaterial { opacity, ..SurfaceMaterial::plain(black) });
+        self.add_sphere(center, radius, Surface { emitter: Some(self.emitters.len() as u32 - 1), ..null });
+        let shape = PrimitiveShape::FacingDisk { unseen: false };
+        self.primitives.last_mut().expect("the sphere").shape = shape;
+    }
+
     /// Adds a parallelogram around `center`, from there half a side to either end of `half_u` and `half_v`. Its normal points
     /// along their cross product.
     pub fn add_parallelogram(

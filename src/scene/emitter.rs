@@ -11,12 +11,35 @@ pub struct AreaEmitter {
     pub radiance: Textured<Vec3>,
     /// Factor of how often the emitter is sampled, >= 0. At 0, only rays that hit it by chance see it.
     pub sampling_weight: f32,
+    /// Cone within which the light leaves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cone: Option<Cone>,
+}
+
+/// Cone of a `spotarea` emitter. Between its border and that of its beam, the radiance rises smoothly with the cosine of the angle to the
+/// axis: by 3 x^2 - 2 x^3, where x rises from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Cone {
+    /// Unit axis, away from the light.
+    pub axis: Vec3,
+    /// Cosine of the half angle beyond which no light leaves.
+    pub cos_cutoff: f32,
+    /// Cosine of the half angle up to which all light leaves, above `cos_cutoff`.
+    pub cos_beam: f32,
+}
+
+impl Cone {
+    /// Share of the light of an emitter without the cone that leaves through it.
+    pub fn share(&self) -> f64 {
+        // The mean of the smooth rise is a half.
+        0.5 * (1.0 - 0.5 * (f64::from(self.cos_cutoff) + f64::from(self.cos_beam)))
+    }
 }
 
 impl AreaEmitter {
     /// Emitter that is sampled in proportion to its power.
     pub fn new(radiance: Textured<Vec3>) -> Self {
-        Self { radiance, sampling_weight: 1.0 }
+        Self { radiance, sampling_weight: 1.0, cone: None }
     }
 }
 

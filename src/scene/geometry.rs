@@ -45,6 +45,18 @@ pub enum PrimitiveShape {
     Disk,
     /// Sphere: all points at the distance `length(edge_u)` from `origin`.
     Sphere,
+    /// Disk of the radius `length(edge_u)` about `origin` that faces the point which it lights. Its axes are those of a sphere.
+    FacingDisk {
+        /// Whether rays that come straight from the camera pass it.
+        unseen: bool,
+    },
+}
+
+impl PrimitiveShape {
+    /// Whether the shape is a sphere, or a disk that may be turned to any side.
+    pub fn is_round(self) -> bool {
+        matches!(self, Self::Sphere | Self::FacingDisk { .. })
+    }
 }
 
 impl Primitive {
@@ -57,7 +69,7 @@ impl Primitive {
             }
             PrimitiveShape::Parallelogram => self.edge_u.abs() + self.edge_v.abs(),
             PrimitiveShape::Disk => (self.edge_u * self.edge_u + self.edge_v * self.edge_v).map(f32::sqrt),
-            PrimitiveShape::Sphere => Vec3::splat(self.edge_u.length()),
+            PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => Vec3::splat(self.edge_u.length()),
         };
         (self.origin - half, self.origin + half)
     }
@@ -71,9 +83,9 @@ pub struct Group {
 }
 
 impl Group {
-    /// Whether the group has a sphere.
+    /// Whether the group has a sphere, or a disk that faces what it lights.
     pub fn has_sphere(&self) -> bool {
-        self.primitives.iter().any(|primitive| primitive.shape == PrimitiveShape::Sphere)
+        self.primitives.iter().any(|primitive| primitive.shape.is_round())
     }
 }
 

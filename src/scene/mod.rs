@@ -48,7 +48,7 @@ pub use build::Surface;
 pub use camera::{Camera, FovAxis, Projection};
 pub use convert::{Converted, convert, convert_dictionary};
 pub use description::transform::{Operation, Transform};
-pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes};
+pub use emitter::{AreaEmitter, Cone, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes};
 pub use film::{Crop, FilmDescription, ReconstructionFilter, Window};
 pub use fingerprint::fingerprint;
 pub use geometry::{Group, Instance, Primitive, PrimitiveShape};

@@ -15,6 +15,7 @@ mod device;
 mod differences;
 mod drivers;
 mod execution;
+mod facing;
 mod grids;
 mod guide_from;
 mod guide_set;

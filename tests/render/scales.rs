@@ -323,7 +323,8 @@ fn lamp_over_floor(shape: PrimitiveShape, size: f32, height: f32) -> (Scene, f64
     scene.add_parallelogram([0.0; 3], height * Vec3::Z, height * Vec3::X, white);
     // Off the axis by a tenth, so that no coordinate is 0.
     let [size64, height64] = [size, height].map(f64::from);
-    let lamp = scene.add_light(Vec3::splat((height64 / size64).powi(2) as f32));
+    let radiance = Vec3::splat((height64 / size64).powi(2) as f32);
+    let lamp = scene.add_light(radiance);
     let center = Vec3::new(0.1 * height, height, 0.1 * height);
     let add_flat = |scene: &mut Scene, lamp: Surface| {
         scene.add_parallelogram(center, size * Vec3::X, size * Vec3::Z, lamp);
@@ -331,6 +332,7 @@ fn lamp_over_floor(shape: PrimitiveShape, size: f32, height: f32) -> (Scene, f64
     };
     match shape {
         PrimitiveShape::Sphere => scene.add_sphere(center, size, lamp),
+        PrimitiveShape::FacingDisk { .. } => scene.add_facing_disk(center, size, radiance),
         _ => add_flat(&mut scene, lamp),
     }
     let squared = 1.02;
@@ -338,7 +340,8 @@ fn lamp_over_floor(shape: PrimitiveShape, size: f32, height: f32) -> (Scene, f64
     let area = match shape {
         PrimitiveShape::Parallelogram => 4.0 / std::f64::consts::PI * cosine,
         PrimitiveShape::Disk => cosine,
-        PrimitiveShape::Sphere => 1.0,
+        // The disk is as wide as the sphere from everywhere, but not far.
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => 1.0,
         PrimitiveShape::Triangle => 0.5 / std::f64::consts::PI * cosine,
     };
     (scene, area * cosine / squared)
@@ -350,8 +353,9 @@ fn small_far_lamps_are_as_bright_as_they_are() {
 }
 
 fn check_small_far_lamps(device: &Device) {
-    for shape in [PrimitiveShape::Sphere, PrimitiveShape::Disk, PrimitiveShape::Parallelogram, PrimitiveShape::Triangle]
-    {
+    let facing = PrimitiveShape::FacingDisk { unseen: false };
+    let flat = [PrimitiveShape::Disk, PrimitiveShape::Parallelogram, PrimitiveShape::Triangle];
+    for shape in [PrimitiveShape::Sphere, facing].into_iter().chain(flat) {
         for (size, height) in [(0.5, 1122.0), (1.0e-4, 10.0), (1.0e-4, 1.0e3), (1.0e-6, 1.0e-3), (10.0, 1.0e6)] {
             let (scene, expected) = lamp_over_floor(shape, size, height);
             let settings = Settings {

@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3, dvec3, vec3};
-use lodestar::scene::{Primitive, PrimitiveShape};
+use lodestar::scene::{Cone, Primitive, PrimitiveShape};
 use lodestar::settings::DirectionMap;
 use support::primitives::primitive;
 use support::statistics::{chi_square, sidak, sphere};
 use support::twins::direction_map::direction_bin;
+use support::twins::intersect::turned;
 use support::twins::light::{area, pdf_primitive};
 
 use crate::lights::{LightOutput, d3, draw_from, emitting};
@@ -19,6 +20,10 @@ const HISTOGRAM: u32 = 32;
 
 fn ball(center: Vec3, radius: f32) -> Primitive {
     primitive(PrimitiveShape::Sphere, center, Vec3::X * radius, Vec3::Z * radius)
+}
+
+fn facing(center: Vec3, radius: f32) -> Primitive {
+    Primitive { shape: PrimitiveShape::FacingDisk { unseen: false }, ..ball(center, radius) }
 }
 
 /// Lights, and the point that sees them.
@@ -41,6 +46,7 @@ fn cases() -> Vec<Case> {
         (Primitive { flip_normal: true, ..disk }, 0.5),
         (ball(vec3(2.0, 0.0, -1.0), 0.8), 0.7),
         (ball(vec3(-2.0, 0.0, 0.0), 0.5), 0.0),
+        (facing(vec3(-1.0, 2.0, -1.0), 0.6), 0.9),
     ];
     vec![
         case("triangle", triangle, dvec3(0.0, 0.0, 0.0)),
@@ -51,6 +57,8 @@ fn cases() -> Vec<Case> {
         case("sphere from its rim", sphere, sphere.origin.as_dvec3() + 1.0006 * dvec3(0.48, 0.64, 0.6)),
         case("sphere from its surface", sphere, sphere.origin.as_dvec3() + 1.0002 * dvec3(0.48, 0.64, 0.6)),
         case("sphere from within", sphere, dvec3(0.5, 0.4, 0.0)),
+        case("facing disk", facing(sphere.origin, 1.0), dvec3(1.2, 0.9, 0.6)),
+        case("facing disk within its radius", facing(sphere.origin, 1.0), dvec3(0.5, 0.4, 0.0)),
         Case { name: "several", lights: mixed, from: dvec3(0.0, 0.0, 0.0) },
     ]
 }
@@ -103,7 +111,9 @@ fn a_sample_and_a_hit_have_the_same_density_and_radiance() {
         let mut differing = 0;
         for s in &drawn {
             let twin = case.pdf(case.from, s.wi());
-            let grazing = (d3(s.target) - case.from).normalize().dot(normal(&light, d3(s.target))).abs() < 0.02;
+            let grazing =
+                (d3(s.target) - case.from).normalize().dot(normal(&turned(&light, case.from), d3(s.target))).abs()
+                    < 0.02;
             let agrees = |pdf: f32, tolerance: f64| (f64::from(pdf) / twin - 1.0).abs() < tolerance;
             // Near the outline, rounding decides whether a ray hits the light.
             let far_hit = light.shape == PrimitiveShape::Sphere && case.name.contains("surface");
@@ -111,7 +121,7 @@ fn a_sample_and_a_hit_have_the_same_density_and_radiance() {
             differing += usize::from(!same && !grazing && !far_hit);
             assert!(s.delta == 0 && s.infinite == 0 && s.pdf > 0.0);
             assert!(s.radiance == [radiance; 3] || s.radiance == [0.0; 3], "{}: {s:?}", case.name);
-            assert_eq!(s.radiance != [0.0; 3], faces(&light, s), "{}: {s:?}", case.name);
+            assert_eq!(s.radiance != [0.0; 3], faces(&turned(&light, case.from), s), "{}: {s:?}", case.name);
         }
         println!("{}: {differing} of {} differ", case.name, drawn.len());
         assert!(differing <= drawn.len() / 500, "{}: {differing} of {} differ", case.name, drawn.len());
@@ -138,4 +148,32 @@ fn lights_without_weight_or_radiance_are_never_drawn() {
     scene.emitters[1].sampling_weight = 0.0;
     let drawn = draw_from(&scene, DVec3::ZERO, 4096, 5);
     assert!(drawn.iter().all(|s| s.radiance != [5.0; 3] && pdf_primitive(&triangle, DVec3::ZERO, s.wi()) > 0.0));
+}
+
+/// Where an emitter has a cone, the radiance of a sample and of a hit falls as Blender's spots do.
+#[test]
+fn a_cone_dims_what_leaves_beside_its_axis() {
+    let axis = vec3(0.48, -0.64, 0.6);
+    let center = vec3(0.2, 0.1, -0.3);
+    let cone = Cone { axis, cos_cutoff: 0.6, cos_beam: 0.8 };
+    for light in [facing(center, 0.7), ball(center, 0.7)] {
+        let mut scene = emitting(&[(light, 3.0)]);
+        scene.emitters[0].cone = Some(cone);
+        let from = center.as_dvec3() + 1.5 * axis.as_dvec3() + dvec3(0.9, 0.3, -0.5);
+        let drawn = draw_from(&scene, from, 4096, 31);
+        let share = |s: &LightOutput, cone: &Cone| {
+            let [low, high] = [cone.cos_cutoff, cone.cos_beam].map(f64::from);
+            let x = ((-s.wi().dot(cone.axis.as_dvec3()) - low) / (high - low)).clamp(0.0, 1.0);
+            x * x * (3.0 - 2.0 * x)
+        };
+        let agree = |cone: &Cone| {
+            let is_right = |s: &&LightOutput| (f64::from(s.radiance[0]) - 3.0 * share(s, cone)).abs() < 1.0e-4;
+            drawn.iter().filter(is_right).count()
+        };
+        let met = drawn.iter().filter(|s| s.radiance == s.along_wi.radiance).count();
+        let dimmed = drawn.iter().filter(|s| (0.01..2.99).contains(&s.radiance[0])).count();
+        println!("{:?}: {met} are met, {dimmed} are dimmed", light.shape);
+        assert!(agree(&cone) == drawn.len() && met > 4000 && dimmed > 1000, "{:?}: {}", light.shape, agree(&cone));
+        assert!(agree(&Cone { cos_beam: 0.85, ..cone }) < 3000, "{:?}: the twin", light.shape);
+    }
 }

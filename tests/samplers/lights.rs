@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::encode::cosine_trees::{Node, nodes_per_tree};
 use lodestar::encode::lights::{Lights, group_tree};
-use lodestar::generated::kernels::{Variant, test};
+use lodestar::generated::kernels::{FEATURE_CONES, Variant, test};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
 use lodestar::scene::{AreaEmitter, LoadOptions, Primitive, Scene, Textured, load};
@@ -117,6 +117,8 @@ pub fn draw_selected(scene: &Scene, inputs: &[LightInput], seed: u32, selection:
     let output = device.storage("outputs", size_of::<LightOutput>() * inputs.len());
     let variant = Variant {
         has_spheres: bvh.has_spheres(),
+        has_facing_disks: bvh.has_facing_disks(),
+        surface_features: if scene.emitters.iter().any(|e| e.cone.is_some()) { FEATURE_CONES } else { 0 },
         has_front_only: bvh.has_front_only(),
         stack_size: bvh.depth,
         nee: true,

@@ -5,6 +5,7 @@ mod convert;
 mod curves;
 mod cylinder;
 mod emitters;
+mod facing;
 mod forms;
 mod fuzz;
 mod fuzz_renders;

@@ -157,16 +157,18 @@ class _Exporter:
         if owner.data.type == "AREA" and getattr(getattr(owner.data, "cycles", None), "is_portal", False):
             # A portal says where light comes in, and sheds none.
             return
-        emitters = lights.export(owner.data, course, owner.name, self.report)
+        emitters = lights.export(owner.data, course, owner.name, self.report, owner.visible_camera)
         unsupported.report_object(owner, self.report)
         self.emitters.extend(emitters)
         soft = falloff.soft_lamp(owner, course.matrix.translation)
         if soft is not None and emitters:
             self.soft_lamps.append(soft)
-        if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
+        # A disk that faces what it lights says itself whether the camera sees it.
+        has_surface = any(emitter.tag == "shape" for emitter in emitters)
+        if has_surface and not owner.visible_camera and not lights.is_facing(owner.data):
             if self._is_in_view(owner.data, course.matrix):
                 self.visible_lamps.append((owner, course, emitters))
-        self.surfaces_emit |= owner.visible_camera and any(emitter.tag == "shape" for emitter in emitters)
+        self.surfaces_emit |= owner.visible_camera and has_surface
 
     def _is_in_view(self, light: Any, matrix: Any) -> bool:
         """Whether a lamp with a surface may be in the picture, if nothing hides it."""

@@ -1,7 +1,7 @@
-"""Falloff: surfaces so near to a lamp with a radius that its soft falloff would show.
+"""Falloff: surfaces so near to a lamp of points that its soft falloff would show.
 
-Cycles takes such a lamp for a disk that faces each lit point, in place of a sphere. At a distance d, a disk of the radius r gives
-1 / (1 + (r / d)^2) of the sphere's light.
+Points stand for a lamp with a radius but without Multiple Importance. Cycles takes it for a disk that faces each lit point. At a distance
+d, a disk of the radius r gives 1 / (1 + (r / d)^2) of the points' light.
 """
 
 from __future__ import annotations
@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple, Optional
 
+from . import lights
+
 # Distance in radii beyond which the two differ by less than 1/17.
 REACH = 4.0
 
 
 class SoftLamp(NamedTuple):
-    """A lamp with soft falloff."""
+    """A lamp of points with soft falloff."""
 
     name: str
     center: Any
@@ -22,10 +24,10 @@ class SoftLamp(NamedTuple):
 
 
 def soft_lamp(owner: Any, center: Any) -> Optional[SoftLamp]:
-    """The lamp, if Cycles takes it for a disk."""
+    """The lamp, if Cycles takes it for a disk and points stand for it."""
     light = owner.data
-    is_soft = light.type in ("POINT", "SPOT") and light.shadow_soft_size > 0.0 and getattr(light, "use_soft_falloff", False)
-    return SoftLamp(owner.name, center.copy(), light.shadow_soft_size) if is_soft else None
+    of_points = lights.is_soft(light) and not lights.is_facing(light)
+    return SoftLamp(owner.name, center.copy(), light.shadow_soft_size) if of_points else None
 
 
 def near_surfaces(lamps: list[SoftLamp], instances: Iterable[Any]) -> dict[str, float]:
@@ -55,9 +57,9 @@ def near_surfaces(lamps: list[SoftLamp], instances: Iterable[Any]) -> dict[str, 
 def warning(radii: float) -> str:
     """What is said of a lamp whose nearest surface is at a distance in radii."""
     if radii <= 1.0:
-        return "soft falloff is not supported; surfaces within its radius get other light than in Cycles"
+        return "soft falloff without Multiple Importance is not supported; surfaces within its radius get other light than in Cycles"
     more = 100.0 / radii**2
-    return f"soft falloff is not supported; the nearest surface, {radii:.1f} radii away, gets {more:.0f} % more light than in Cycles"
+    return f"soft falloff without Multiple Importance is not supported; the nearest surface, {radii:.1f} radii away, gets {more:.0f} % more light than in Cycles"
 
 
 def _vector(values: Any) -> Any:

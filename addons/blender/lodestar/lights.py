@@ -20,8 +20,8 @@ def color_of(light: Any) -> tuple[float, float, float]:
     return color  # type: ignore[return-value]
 
 
-def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xml.Element]:
-    """Emitters of a lamp."""
+def export(light: Any, course: xml.Course, name: str, report: Report, visible: bool = True) -> list[xml.Element]:
+    """Emitters of a lamp, which the camera may see or not."""
     place = f'light "{name}"'
     _report_unsupported(light, place, report)
     power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
@@ -34,17 +34,32 @@ def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xm
         return []
     if light.type == "AREA":
         return _area(light, course, power, tinted, place, report)
+    if is_facing(light):
+        return _facing_disk(light, course, power, tinted, visible, place, report)
     if light.type == "POINT" and light.shadow_soft_size > 0.0:
         ball = [_ball(light, course, power, tinted)]
         # Surfaces that scatter light do not find a lamp without Multiple Importance.
         return ball if _is_found(light) else points(light, course, ball) or ball
     if course.keys:
-        report.warn(place, "the motion of suns, spots and lamps of radius 0 is not supported; it stands still")
+        report.warn(place, _STANDS)
     if light.type == "SUN":
         return _sun(light, course.matrix, power, tinted)
     if light.type == "SPOT":
         return _spots(light, course.matrix, power, tinted, place, report)
     return [_point(course.matrix, power, tinted)]
+
+
+_STANDS = "the motion of suns, spots and lamps of radius 0 is not supported; it stands still"
+
+
+def is_soft(light: Any) -> bool:
+    """Whether Cycles takes a lamp for a disk that faces each lit point."""
+    return light.type in ("POINT", "SPOT") and light.shadow_soft_size > 0.0 and getattr(light, "use_soft_falloff", False)
+
+
+def is_facing(light: Any) -> bool:
+    """Whether a lamp becomes such a disk. Surfaces that scatter light would find it, so the lamp has Multiple Importance."""
+    return is_soft(light) and _is_found(light)
 
 
 def _is_found(light: Any) -> bool:
@@ -53,7 +68,7 @@ def _is_found(light: Any) -> bool:
 
 
 def _report_unsupported(light: Any, place: str, report: Report) -> None:
-    if not getattr(light, "normalize", True) and light.type in ("SUN", "SPOT"):
+    if not getattr(light, "normalize", True) and light.type in ("SUN", "SPOT") and not is_facing(light):
         report.warn(place, "a power that is not normalized by the area is not supported; it is taken as normalized")
     if light.type == "AREA" and not _is_found(light):
         report.warn(place, "an area light without Multiple Importance is not supported; mirrors show it")
@@ -114,9 +129,40 @@ def _ball(light: Any, course: xml.Course, power: float, tinted: Any) -> xml.Elem
     xml.add(shape, "radius", float(radius))
     if course.keys:
         xml.add_course(shape, course.mapped(lambda matrix: Matrix.Translation(matrix.translation - center)))
+    return _emitting(shape, tinted(_round_radiance(light, power)))
+
+
+def _round_radiance(light: Any, power: float) -> float:
+    """Radiance of a lamp with a radius: of a sphere, and of a disk that faces what it lights."""
+    radius = light.shadow_soft_size
     if not getattr(light, "normalize", True):
         power *= 4.0 * math.pi * radius**2
-    return _emitting(shape, tinted(units.sphere_radiance(power, radius)))
+    return units.sphere_radiance(power, radius)
+
+
+def _facing_disk(
+    light: Any, course: xml.Course, power: float, tinted: Any, visible: bool, place: str, report: Report
+) -> list[xml.Element]:
+    """Lamp with soft falloff: a disk that faces what it lights. No scale changes its radius."""
+    from mathutils import Matrix
+
+    shape = xml.plugin("shape", "facingdisk")
+    is_spot = light.type == "SPOT"
+    emitter = xml.plugin("emitter", "spotarea" if is_spot else "area")
+    if is_spot:
+        if course.keys:
+            report.warn(place, _STANDS)
+        _report_scale(course.matrix, place, report)
+        half_angle = 0.5 * light.spot_size
+        xml.add(emitter, "cutoff_angle", math.degrees(half_angle))
+        xml.add(emitter, "beam_width", math.degrees(units.smooth_beam(half_angle, light.spot_blend)))
+        xml.add_matrix(shape, _facing(course.matrix, normalized=True))
+    else:
+        xml.add_course(shape, course.mapped(lambda matrix: Matrix.Translation(matrix.translation)))
+    xml.add(shape, "radius", float(light.shadow_soft_size))
+    if not visible:
+        xml.add(shape, "visible_to_camera", False)
+    return [xml.with_children(shape, xml.add(emitter, "radiance", tinted(_round_radiance(light, power))))]
 
 
 def points(light: Any, course: xml.Course, emitters: list[xml.Element]) -> Optional[list[xml.Element]]:
@@ -152,9 +198,7 @@ def _sun(light: Any, matrix: Any, power: float, tinted: Any) -> list[xml.Element
 
 def _spots(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:
     """Spot, or spots side by side that cover its ball. They all have its cone, as the points of Cycles' lamp have."""
-    sides = [matrix.col[at].xyz.length for at in range(3)]
-    if max(sides) > 1.001 * min(sides):
-        report.warn(place, "a spot that is scaled unevenly is not supported; its cone is round")
+    _report_scale(matrix, place, report)
     half_angle = 0.5 * light.spot_size
     beam = units.beam_width(half_angle, light.spot_blend)
     scale = units.spot_flux(half_angle, light.spot_blend) / units.linear_spot_flux(half_angle, beam)
@@ -171,6 +215,12 @@ def _spots(light: Any, matrix: Any, power: float, tinted: Any, place: str, repor
         placed.translation += light.shadow_soft_size * _vector(center)
         parts.append(xml.add_matrix(emitter, placed))
     return parts
+
+
+def _report_scale(matrix: Any, place: str, report: Report) -> None:
+    sides = [matrix.col[at].xyz.length for at in range(3)]
+    if max(sides) > 1.001 * min(sides):
+        report.warn(place, "a spot that is scaled unevenly is not supported; its cone is round")
 
 
 def _area(light: Any, course: xml.Course, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:

@@ -38,6 +38,12 @@ def spot_falloff(cosine: float, half_angle: float, blend: float) -> float:
     return t * t * (3.0 - 2.0 * t)
 
 
+def smooth_beam(half_angle: float, blend: float) -> float:
+    """Half angle within which `spot_falloff` is 1."""
+    edge = math.cos(half_angle)
+    return math.acos(min(max(edge + (1.0 - edge) * blend, -1.0), 1.0))
+
+
 def spot_flux(half_angle: float, blend: float) -> float:
     """Flux of a spot of intensity 1, in closed form: 2 pi times the integral of `spot_falloff` over the cosine.
 

@@ -236,10 +236,36 @@ def missing_images() -> Any:
     return scene
 
 
-def lamp_in_view() -> Any:
+def lamp_in_view(is_soft: bool = False) -> Any:
     """A lamp that the camera must not see, under a sky that it sees."""
     scene = base((0.6, 0.6, 0.6))
-    lamp(scene, "POINT", 60, (0.6, 1.0, 2.2), shadow_soft_size=0.2)
+    lamp(scene, "POINT", 60, (0.6, 1.0, 2.2), shadow_soft_size=0.2, use_soft_falloff=is_soft)
+    return scene
+
+
+def soft_lamp_in_view() -> Any:
+    """The same with soft falloff, beside a lamp that the camera sees."""
+    scene = lamp_in_view(True)
+    lamp(scene, "POINT", 5, (-1.2, 0.8, 1.2), shadow_soft_size=0.3).visible_camera = True
+    return scene
+
+
+def soft_lamps() -> Any:
+    """Lamps with soft falloff: one whose radius reaches into ground and ball, a spot, and one that is not normalized."""
+    scene = base(None)
+    lamp(scene, "POINT", 20, (0.9, -0.5, 0.4), shadow_soft_size=0.7)
+    lamp(scene, "SPOT", 60, (-1.4, -0.8, 1.4), (0.3, -0.5, 0.0), shadow_soft_size=0.4, spot_size=1.4, spot_blend=0.6)
+    if "normalize" in bpy.types.Light.bl_rna.properties:
+        lamp(scene, "POINT", 30, (-1.0, 1.5, 1.0), shadow_soft_size=0.3, normalize=False)
+    return scene
+
+
+def soft_lamp_in_mirrors() -> Any:
+    """A smooth ball that shows a soft spot and a soft lamp, which faces the ball."""
+    scene = base(None)
+    scene.objects["ball"].data.materials[0] = scenes.simple("mirror", "ShaderNodeBsdfGlossy", Color=(0.8, 0.8, 0.8), Roughness=0.1)
+    lamp(scene, "POINT", 20, (0.4, -1.6, 1.2), shadow_soft_size=0.6)
+    lamp(scene, "SPOT", 60, (-1.4, -0.8, 1.8), (0.3, -0.5, 0.0), shadow_soft_size=0.5, spot_size=1.4, spot_blend=0.3)
     return scene
 
 
@@ -279,6 +305,9 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (beckmann, 0.03, 0.01),
     (missing_images, 0.03, 0.01),
     (lamp_in_view, 0.03, 0.01),
+    (soft_lamp_in_view, 0.03, 0.01),
+    (soft_lamps, 0.03, 0.01),
+    (soft_lamp_in_mirrors, 0.05, 0.01),
     (lamp_without_mis, 0.03, 0.01),
     (spot_with_radius, 0.03, 0.01),
 ]
@@ -400,31 +429,37 @@ def test_what_is_not_rendered_is_named(tmp_path: Path, change: Callable[[Any], N
 @pytest.mark.parametrize(
     "height,settings,text",
     [
-        (1.0, dict(), "soft falloff is not supported; the nearest surface, 2.0 radii away, gets 25 % more light than in Cycles"),
-        (0.2, dict(), "soft falloff is not supported; surfaces within its radius get other light than in Cycles"),
+        (1.0, dict(), "soft falloff without Multiple Importance is not supported; the nearest surface, 2.0 radii away, gets 25 % more light than in Cycles"),
+        (0.2, dict(), "soft falloff without Multiple Importance is not supported; surfaces within its radius get other light than in Cycles"),
         (2.1, dict(), None),
         (1.0, dict(use_soft_falloff=False), None),
     ],
 )
 def test_soft_falloff_is_named_where_it_shows(tmp_path: Path, height: float, settings: Any, text: str | None) -> None:
-    """The distance of the nearest surface decides, and no corner of the ground is near."""
+    """Points stand for a lamp without Multiple Importance. The distance of the nearest surface decides, and no corner of the ground is near."""
     scene = scenes.empty()
     scenes.camera(scene)
     scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)), location=(1, 1, 0), scale=(2, 2, 2))
-    lamp(scene, "POINT", 10, (0, 0, height), shadow_soft_size=0.5, **settings)
+    light = lamp(scene, "POINT", 10, (0, 0, height), shadow_soft_size=0.5, **settings).data
+    assert exported(tmp_path).report.warnings == []
+    light.cycles.use_multiple_importance_sampling = False
+    light.update_tag()
     warnings = exported(tmp_path).report.warnings
     assert warnings == ([f'light "lamp": {text}'] if text is not None else [])
 
 
 def test_soft_falloff_has_the_figure_of_its_warning() -> None:
-    """Below a lamp, at twice its radius, Cycles' lamp has 1 / 1.25 of a sphere's light."""
+    """Below a lamp, at twice its radius, a soft lamp has 1 / 1.25 of the light of points."""
     scene = scenes.empty()
     scene.render.resolution_percentage = 25
     scenes.camera(scene, (0, 0, 2.5), (0, 0, 0), lens=400)
     scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
-    lamp(scene, "POINT", 10, (0, 0, 1), shadow_soft_size=0.5)
+    light = lamp(scene, "POINT", 10, (0, 0, 1), shadow_soft_size=0.5).data
     ours, theirs = (support.colors(support.render(scene, engine, 256)) for engine in ("LODESTAR", "CYCLES"))
-    assert abs(support.mean_ratio(ours, theirs) / 1.25 - 1.0) < 0.01
+    light.cycles.use_multiple_importance_sampling = False
+    light.update_tag()
+    points = support.colors(support.render(scene, "LODESTAR", 256))
+    assert abs(support.mean_ratio(ours, theirs) - 1.0) < 0.01 and abs(support.mean_ratio(points, theirs) / 1.25 - 1.0) < 0.03
 
 
 def matrices(found: export.Export) -> list[list[float]]:

@@ -52,6 +52,7 @@ struct SceneConstants {
     uint camera_medium;              // number of the medium around the camera, counted from 1; 0 without one
     uint camera_motion;              // first texel of the camera's motion among those of the primitives
     uint first_volume;               // first texel of the volumes among those of the materials
+    uint first_cone;                 // first texel of the cones among the emitters' texels; NONE without one
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
@@ -140,6 +141,11 @@ uint paged_texel_word(uint page, uint index) {
 
 uvec4 emitter_texel(uint emitter, uint texel) {
     return fetch_emitter_texel(emitter + texel);
+}
+
+// Texel of an emitter's cone. The emitters' texels end with the cones, if an emitter has one.
+uvec4 cone_texel(uint emitter, uint texel) {
+    return fetch_emitter_texel(scene().first_cone + emitter + texel);
 }
 
 uvec4 light_texel(uint light, uint texel) {

@@ -2,6 +2,7 @@
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 #include "geometry/bvh.glsl"
+#include "geometry/facing.glsl"
 #include "math/direction.glsl"
 #include "geometry/instance.glsl"
 #include "geometry/intersect.glsl"
@@ -207,6 +208,11 @@ Surface surface_at(Ray ray, Hit hit) {
         placement = placement_of(hit.instance);
         p = primitive_in_world(in_group, placement);
     }
+    bool facing = is_facing(p);
+    if (facing) {
+        p = turned_disk(p);
+        shape = SHAPE_DISK;
+    }
 
     Surface s;
     s.size = p.edge_tolerance;
@@ -219,10 +225,13 @@ Surface surface_at(Ray ray, Hit hit) {
         if (HAS_PLACED_SPHERES && moved) s.epsilon += 16.0 * ROUNDING * (dot(vec3(1.0), abs(p.origin)) + p.edge_tolerance);
         if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, p.edge_u, p.edge_v, attributes.uv0.x);
     } else {
-        if (moved) {
+        if (moved && !facing) {
             place_in_instance(s, ray, hit, shape, in_group, p, placement);
         } else {
             place_on_plane(s, ray, hit, shape, p);
+        }
+        if (HAS_FACING_DISKS && facing && moved) {
+            s.epsilon += 16.0 * ROUNDING * (dot(vec3(1.0), abs(p.origin)) + p.edge_tolerance);
         }
         if (has_texture_coordinates()) {
             if (shape == SHAPE_TRIANGLE) parametrize_triangle(s, hit.uv, p, attributes);

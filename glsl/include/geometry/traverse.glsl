@@ -3,6 +3,7 @@
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL
 #include "geometry/bvh.glsl"
+#include "geometry/facing.glsl"
 #include "geometry/instance.glsl"
 #include "geometry/intersect.glsl"
 #include "geometry/normals.glsl"
@@ -31,7 +32,11 @@ bool intersect_primitive(Ray ray, Ray world_ray, uint instance, uint primitive, 
             p.origin = shown.origin;
             p.edge_tolerance = shown.edge_tolerance;
         }
-        closer = intersect_sphere(world_ray, p.origin, p.edge_tolerance, t, uv);
+        if (is_facing(p)) {
+            closer = !is_passed(p) && intersect_flat(world_ray, turned_disk(p), SHAPE_DISK, t, uv);
+        } else {
+            closer = intersect_sphere(world_ray, p.origin, p.edge_tolerance, t, uv);
+        }
     } else {
         closer = intersect_flat(ray, p, shape, t, uv);
     }

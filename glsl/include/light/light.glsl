@@ -79,10 +79,11 @@ uint patches_per_light() {
     return LIGHT_PATCHES * LIGHT_PATCHES;
 }
 
-// The light's primitive, which an instance shows or none, in the world.
+// The light's primitive, which an instance shows or none, in the world. A facing disk is the one that is turned to the point which it lights.
 PrimitiveRecord light_in_world(uint primitive, uint instance) {
     PrimitiveRecord p = load_primitive(primitive);
     if (has_light(LIGHT_PLACED) && is_moved(instance)) p = primitive_in_world(p, placement_of(instance));
+    if (is_facing(p)) p = turned_disk(p);
     return p;
 }
 
@@ -234,11 +235,12 @@ LightSample environment_light_sample(LightRecord light, uvec4 bits) {
     return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false);
 }
 
-// Sample of a light that was drawn, as seen from the point `from`.
+// Sample of a light that was drawn, as seen from the point `from`. Facing disks stay turned there, for the shadow ray.
 LightSample sample_light(RandomKey key, uint vertex, vec3 from, ChosenLight chosen) {
     LightRecord light = chosen.record;
     uint kind = kind_of_light(light);
     LightSample s = NO_LIGHT_SAMPLE;
+    turn_disks(from, false);
     bool is_placed = has_light(LIGHT_PLACED) && kind == LIGHT_PLACED;
     if ((has_light(LIGHT_AREA) && kind == LIGHT_AREA) || is_placed) {
         s = area_light_sample(chosen.index, light, from, unit_floats(chosen.bits).zw);

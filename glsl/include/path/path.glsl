@@ -22,7 +22,7 @@ struct Path {
     KEPT(guide) Segment segment;  // that the ray travels
     KEPT(guide) float pdf;       // density of the ray's direction where it was drawn; 0 where emitter sampling cannot have drawn it
     KEPT(guide) float pixel_estimate;  // radiance of the whole path, as estimated at the first vertex whose guide knows; 0 before
-    KEPT(guide) vec3 previous_position;  // of the last surface that has scattered the path
+    KEPT(guide) vec3 previous_position;  // of the last surface that has scattered the path; of the camera for facing disks
     // Surfaces through which the path has gone straight on since then, or since the camera; the mean share of light that they, and media
     // on the way, let through, and the mean radiance that they add to the segment.
     KEPT(way) uint straight;
@@ -91,6 +91,7 @@ Path start_path(uvec2 film_pixel, RandomKey key) {
     if (has_media()) path.medium = scene().camera_medium;
     vec4 u = unit_floats(camera_bits(key));
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
+    if (HAS_FACING_DISKS) path.previous_position = path.ray.origin;
     return path;
 }
 
@@ -98,6 +99,11 @@ Path start_path(uvec2 film_pixel, RandomKey key) {
 bool comes_from_camera(Path path) {
     if (lets_through()) return path.depth == path.straight + 1u;
     return path.depth == 1u;
+}
+
+// Turns facing disks to where the path's ray comes from.
+void turn_disks_to(Path path) {
+    turn_disks(path.previous_position, comes_from_camera(path));
 }
 
 // The first surface that has scattered a path. Holes and thin sheets of glass let the path go straight on to it.

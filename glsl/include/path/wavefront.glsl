@@ -197,6 +197,7 @@ vec3 load_radiance(uint slot) {
 // A path keeps more than its ray, its throughput and its radiance.
 bool keeps_origin() {
     if (NEE) return true;
+    if (HAS_FACING_DISKS) return true;
     return uses_guide();
 }
 
@@ -230,6 +231,13 @@ Path load_path(uint slot) {
     return path;
 }
 
+// The path of a slot, to whose ray facing disks are turned.
+Path load_path_with_disks(uint slot) {
+    Path path = load_path(slot);
+    turn_disks_to(path);
+    return path;
+}
+
 // Whether the ray that a path travels now comes straight from the camera.
 bool slot_comes_from_camera(uint slot) {
     if (HIDE_EMITTERS) {
@@ -244,6 +252,7 @@ bool slot_comes_from_camera(uint slot) {
 
 // The ray that a path travels now.
 Ray load_ray(uint slot) {
+    if (HAS_FACING_DISKS) return load_path_with_disks(slot).ray;
     if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot)).ray;
     set_moment_of_slot(slot);
     Path path;

@@ -9,6 +9,12 @@ struct EmitterRecord {
     uint texture_index;  // texture that multiplies the radiance, or NONE
 };
 
+// Cone of an emitter. An emitter without one has the slope 0 and the offset 1.
+struct ConeRecord {
+    vec3 slope;    // axis of the cone, over the difference of the cosines between which the light rises
+    float offset;  // negative cosine at the cone's border, over that difference
+};
+
 // Entry of the alias table that chooses lights (Walker 1974, Vose 1991).
 struct LightRecord {
     uint threshold;        // threshold for 32 random bits: bits below it take this light, others its alias

@@ -75,6 +75,10 @@ const uint PRIMITIVE_INSTANCE = 64u;
 const uint PRIMITIVE_UNMOVED = 128u;
 // The transform of the instance depends on time.
 const uint PRIMITIVE_MOVING = 256u;
+// The sphere is the room of a disk of its radius that faces the point which it lights.
+const uint PRIMITIVE_FACING = 512u;
+// Rays that come straight from the camera pass the facing disk.
+const uint PRIMITIVE_UNSEEN = 1024u;
 
 // Kind of a material that is a choice between two materials. The files of the folder bsdf declare the numbers of the other kinds.
 const uint MATERIAL_BLEND = 13u;
@@ -116,6 +120,8 @@ const uint FEATURE_SMOOTH_BASE = 512u;
 const uint FEATURE_VOLUMES = 1024u;
 // Some medium emits light.
 const uint FEATURE_GLOW = 2048u;
+// Some emitter of a surface has a cone.
+const uint FEATURE_CONES = 4096u;
 
 // Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
 const uint VOLUME_COLORS = 1u;

@@ -66,6 +66,8 @@ layout(constant_id = 17) const bool HAS_FRONT_ONLY = false;
 layout(constant_id = 20) const bool HAS_INSTANCES = false;
 // Whether some instance shows a sphere.
 layout(constant_id = 21) const bool HAS_PLACED_SPHERES = false;
+// Whether some primitive is a disk that faces the point which it lights.
+layout(constant_id = 25) const bool HAS_FACING_DISKS = false;
 // Maximum number of segments of an instance's motion; 0 where no instance moves.
 layout(constant_id = 22) const uint MOTION_SEGMENTS = 0u;
 // Number of segments of the camera's motion; 0 where it stands still.

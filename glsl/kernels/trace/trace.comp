@@ -55,6 +55,7 @@ void main() {
         }
 
         // 2. Ray: what it hits, and the segment that it has travelled.
+        turn_disks_to(path);
         Hit hit = end_of_edge(flight_ray(path), comes_from_camera(path), tally.overrun);
         if (has_volumes()) fly_to_particle(path, hit);
         Segment travelled = path.segment;

@@ -13,7 +13,7 @@ void connect_path(uint slot) {
     Hit hit = load_hit(slot);
     if (push.edge + 1u == MAX_DEPTH) return;
     if (!has_media() && hit.primitive == NONE) return;
-    Path path = load_path(slot);
+    Path path = load_path_with_disks(slot);
     if (meets_nothing(path, hit)) return;
     Surface surface = place_of_hit(path, hit);
     Scatterer scatterer = scatterer_of_place(path, surface);

@@ -13,7 +13,7 @@
 
 // The ray of a slot's path, as far as it flies.
 Ray ray_of_slot(uint slot) {
-    if (has_media()) return flight_ray(load_path(slot));
+    if (has_media()) return flight_ray(load_path_with_disks(slot));
     return load_ray(slot);
 }
 

@@ -19,7 +19,7 @@ vec3 direct_light(
 
 void shade(uint slot, inout Tally tally) {
     shaded_slot = slot;
-    Path path = load_path(slot);
+    Path path = load_path_with_disks(slot);
     if (has_volumes()) path.flown = load_flown(slot);
     Segment travelled = path.segment;
     ShareEvidence evidence = path.evidence;

@@ -13,9 +13,13 @@
 #include "path/passage.glsl"
 #include "path/wavefront.glsl"
 
-// Medium in which a slot's connection leaves its path's vertex.
+// Medium in which a slot's connection leaves its path's vertex. Facing disks are turned there.
 uint medium_of_connection(uint slot, Path path, vec3 direction) {
-    return medium_beyond(place_of_hit(path, load_hit(slot)), direction, path.medium);
+    Surface vertex = place_of_hit(path, load_hit(slot));
+    turn_disks(vertex.position, false);
+    uint medium = NO_MEDIUM;
+    if (has_media()) medium = medium_beyond(vertex, direction, path.medium);
+    return medium;
 }
 
 void trace_shadow_ray(uint slot, inout bool overrun) {
@@ -24,8 +28,8 @@ void trace_shadow_ray(uint slot, inout bool overrun) {
     if (weakens_light()) {
         uint medium = NO_MEDIUM;
         Path path = new_path(RandomKey(0u, 0u, 0u, 0u, 0u, 0u));
-        if (has_media()) {
-            path = load_path(slot);
+        if (has_media() || HAS_FACING_DISKS) {
+            path = load_path_with_disks(slot);
             medium = medium_of_connection(slot, path, connection.ray.direction);
         }
         pass_connection(connection, medium, path.key, push.edge + 1u, overrun);

@@ -9,7 +9,7 @@ use crate::scene::{Primitive, PrimitiveShape};
 /// Constant of the plane's equation relative to the anchor, and whether the anchor is the world's origin. `longest` is the
 /// shape's longest edge.
 pub(super) fn equation(p: &Primitive, longest: f32) -> (f32, bool) {
-    if p.shape == PrimitiveShape::Sphere || is_far(p, longest) {
+    if p.shape.is_round() || is_far(p, longest) {
         return (0.0, false);
     }
     let nearest = nearest_point(p);
@@ -46,7 +46,9 @@ fn nearest_point(p: &Primitive) -> DVec3 {
             sides.into_iter().min_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(origin)
         }
         PrimitiveShape::Disk => at(u / u.hypot(v).max(1.0), v / u.hypot(v).max(1.0)),
-        PrimitiveShape::Parallelogram | PrimitiveShape::Sphere => at(u.clamp(-1.0, 1.0), v.clamp(-1.0, 1.0)),
+        PrimitiveShape::Parallelogram | PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => {
+            at(u.clamp(-1.0, 1.0), v.clamp(-1.0, 1.0))
+        }
     }
 }
 

@@ -80,8 +80,8 @@ fn for_touched_by_instance(
 enum Shape {
     /// Bounds, a point, and the edges.
     Flat { min: Vec3, max: Vec3, origin: Vec3, edges: [Vec3; 2] },
-    /// Center and half axes.
-    Ellipsoid { center: Vec3, radii: Vec3 },
+    /// Center and half axes, and whether surfaces may lie within.
+    Ellipsoid { center: Vec3, radii: Vec3, is_full: bool },
 }
 
 impl Shape {
@@ -91,7 +91,8 @@ impl Shape {
         let (u, v) = (Vec3::from(p.edge_u) * grid.per_unit, Vec3::from(p.edge_v) * grid.per_unit);
         let corners = match p.flags & constants::PRIMITIVE_SHAPE_MASK {
             constants::SHAPE_SPHERE => {
-                return Self::Ellipsoid { center: origin, radii: p.edge_tolerance * grid.per_unit };
+                let is_full = p.flags & constants::PRIMITIVE_FACING != 0;
+                return Self::Ellipsoid { center: origin, radii: p.edge_tolerance * grid.per_unit, is_full };
             }
             constants::SHAPE_TRIANGLE => [origin, origin + u, origin + v, origin],
             _ => [origin - u - v, origin - u + v, origin + u - v, origin + u + v],
@@ -104,7 +105,7 @@ impl Shape {
     fn bounds(&self) -> (Vec3, Vec3) {
         match *self {
             Self::Flat { min, max, .. } => (min, max),
-            Self::Ellipsoid { center, radii } => (center - radii, center + radii),
+            Self::Ellipsoid { center, radii, .. } => (center - radii, center + radii),
         }
     }
 
@@ -117,10 +118,10 @@ impl Shape {
                 let normal = u.cross(v).normalize_or_zero();
                 normal.dot(middle - origin).abs() <= normal.abs().dot(half) + MARGIN
             }
-            Self::Ellipsoid { center, radii } => {
+            Self::Ellipsoid { center, radii, is_full } => {
                 let away = (middle - center).abs();
                 let [nearest, farthest] = [(away - half).max(Vec3::ZERO), away + half];
-                (nearest / radii).length_squared() <= 1.0 && (farthest / radii).length_squared() >= 1.0
+                (nearest / radii).length_squared() <= 1.0 && (is_full || (farthest / radii).length_squared() >= 1.0)
             }
         }
     }
@@ -158,7 +159,7 @@ mod tests {
             PrimitiveShape::Triangle => origin + a * u + b * v,
             PrimitiveShape::Parallelogram => origin + (2.0 * a - 1.0) * u + (2.0 * b - 1.0) * v,
             PrimitiveShape::Disk => origin + a * (turn.cos() * u + turn.sin() * v),
-            PrimitiveShape::Sphere => {
+            PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => {
                 let height = 2.0 * a - 1.0;
                 let around = (1.0 - height * height).max(0.0).sqrt();
                 origin + u.length() * vec3(around * turn.cos(), around * turn.sin(), height)
@@ -185,5 +186,17 @@ mod tests {
             let [occupied, touched] = [occupied, touched].map(|places| places.into_iter().filter(|&p| p).count());
             assert!(occupied <= 2 * touched, "{shape:?}: {occupied} places for {touched}");
         }
+    }
+
+    #[test]
+    fn a_disk_that_faces_what_it_lights_may_lie_anywhere_within_its_radius() {
+        let edges = [vec3(3.0, 0.5, -0.7), vec3(0.2, 1.4, 0.9)];
+        let has_middle = |shape: PrimitiveShape| {
+            let bvh = bvh(shape, edges);
+            let grid = Grid::new(&bvh, UVec3::new(9, 16, 7));
+            let place = grid.clamped(grid.coordinates(vec3(0.1, -0.2, 0.3)));
+            occupied_places(&bvh, &grid)[grid.index(place)]
+        };
+        assert!(has_middle(PrimitiveShape::FacingDisk { unseen: false }) && !has_middle(PrimitiveShape::Sphere));
     }
 }

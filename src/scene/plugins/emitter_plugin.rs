@@ -13,16 +13,20 @@ use crate::Result;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::folders::FoundFile;
-use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, PictureAxes, Textured};
+use crate::scene::{AreaEmitter, Cone, DeltaEmitter, DeltaKind, Environment, PictureAxes, Textured};
 
 /// Mitsuba's default half angle of a spot's cone, in degrees.
 const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
 /// Mitsuba's default beam width of a spot, as a share of the cone's half angle.
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
 
+/// Least difference of the cosines at a cone's border and at that of its beam.
+const SHARPEST_BORDER: f32 = 1.0e-5;
+
 /// Plugins of emitters.
-pub(super) const SUPPORTED: [&str; 10] = [
+pub(super) const SUPPORTED: [&str; 11] = [
     "area",
+    "spotarea",
     "directionalarea",
     "constant",
     "envmap",
@@ -33,6 +37,9 @@ pub(super) const SUPPORTED: [&str; 10] = [
     "directional",
     "collimated",
 ];
+
+/// Plugins of emitters that stand in a `<shape>`.
+const AREA: [&str; 3] = ["area", "spotarea", "directionalarea"];
 
 /// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {
@@ -99,26 +106,31 @@ const DARK_BEAM: &str = "a `collimated` beam is dark: no path from the camera fi
 const DARK_AREA: &str = "a `directionalarea` emitter is dark, as with Mitsuba's `path`: its light leaves along single \
     directions, which no path from the camera finds";
 
-/// Reads an emitter that stands in a `<shape>`; `None` for one whose light no path finds.
+/// Reads an emitter that stands in a `<shape>` whose z-axis is `axis`; `None` for one whose light no path finds.
 pub(super) fn parse_area<'a>(
     object: &'a Object,
+    axis: DVec3,
     scope: &Scope<'a>,
     textures: &mut Textures<'a>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<AreaEmitter>> {
     let mut properties = Properties::new(object, scope)?;
     let is_dark = properties.plugin() == "directionalarea";
-    if properties.plugin() != "area" && !is_dark {
-        return Err(object.unsupported(&["area", "directionalarea"]));
+    if !AREA.contains(&properties.plugin()) {
+        return Err(object.unsupported(&AREA));
     }
     let sampling_weight = sampling_weight(&mut properties)?;
     let radiance = picture(&mut properties, "radiance", textures, warnings)?;
+    let cone = match properties.plugin() {
+        "spotarea" => Some(parse_cone(&mut properties, axis)?),
+        _ => None,
+    };
     leave_medium(&mut properties);
     properties.finish(warnings)?;
     if is_dark {
         warnings.push(format!("{}: {DARK_AREA}", object.origin));
     }
-    Ok((!is_dark).then_some(AreaEmitter { radiance, sampling_weight }))
+    Ok((!is_dark).then_some(AreaEmitter { radiance, sampling_weight, cone }))
 }
 
 fn sampling_weight(properties: &mut Properties) -> Result<f32> {
@@ -159,6 +171,27 @@ fn either(properties: &mut Properties, name: &str, of_transform: fn(&DMat4) -> D
     }
 }
 
+/// Reads the half angles of a spot's cone and of its beam, in degrees.
+fn parse_angles(properties: &mut Properties) -> Result<(f32, f32)> {
+    let of_angle = properties.location("cutoff_angle");
+    let cutoff_angle = properties.positive_float("cutoff_angle", DEFAULT_CUTOFF_ANGLE)?;
+    if cutoff_angle > 180.0 {
+        return Err(of_angle.error(format!("`cutoff_angle` must be at most 180, not {cutoff_angle}")));
+    }
+    Ok((cutoff_angle, non_negative(properties, "beam_width", cutoff_angle * DEFAULT_BEAM_SHARE)?))
+}
+
+/// Reads the cone of a `spotarea` about the z-axis of its shape.
+fn parse_cone(properties: &mut Properties, axis: DVec3) -> Result<Cone> {
+    let axis = axis.try_normalize();
+    let axis =
+        axis.ok_or_else(|| properties.owner().error("the `to_world` of its shape shrinks its axis to length 0"))?;
+    let (cutoff_angle, beam_width) = parse_angles(properties)?;
+    let [cos_cutoff, cos_beam] = [cutoff_angle, beam_width].map(|angle| f64::from(angle).to_radians().cos() as f32);
+    // Where the beam fills the cone, the border is sharp.
+    Ok(Cone { axis: axis.as_vec3(), cos_cutoff, cos_beam: cos_beam.max(cos_cutoff + SHARPEST_BORDER) })
+}
+
 fn parse_spot<'a>(
     properties: &mut Properties<'a>,
     textures: &mut Textures<'a>,
@@ -168,12 +201,7 @@ fn parse_spot<'a>(
     let to_world = properties.take_to_world()?;
     let axis = to_world.z_axis.truncate().try_normalize();
     let direction = axis.ok_or_else(|| location.error("the `to_world` of a spot shrinks its axis to length 0"))?;
-    let of_angle = properties.location("cutoff_angle");
-    let cutoff_angle = properties.positive_float("cutoff_angle", DEFAULT_CUTOFF_ANGLE)?;
-    if cutoff_angle > 180.0 {
-        return Err(of_angle.error(format!("`cutoff_angle` must be at most 180, not {cutoff_angle}")));
-    }
-    let beam_width = non_negative(properties, "beam_width", cutoff_angle * DEFAULT_BEAM_SHARE)?;
+    let (cutoff_angle, beam_width) = parse_angles(properties)?;
     let (position, direction) = (to_world.w_axis.truncate().as_vec3(), direction.as_vec3());
     let intensity = color(properties, "intensity")?;
     let (cutoff_angle, beam_width) = (cutoff_angle.to_radians(), beam_width.to_radians());

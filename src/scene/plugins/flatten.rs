@@ -78,6 +78,11 @@ pub(super) fn sphere(common: &Common) -> Primitive {
     Primitive { uvs: [Vec2::splat(handedness); 3], ..sphere }
 }
 
+/// Disk of the radius of that sphere which faces what it lights.
+pub(super) fn facing_disk(common: &Common, unseen: bool) -> Primitive {
+    Primitive { shape: PrimitiveShape::FacingDisk { unseen }, flip_normal: false, ..sphere(common) }
+}
+
 fn primitive(
     shape: PrimitiveShape,
     common: &Common,
@@ -97,10 +102,10 @@ pub(super) fn instantiated(p: Primitive, instance_to_world: &DMat4) -> Option<Pr
     let origin = instance_to_world.transform_point3(p.origin.as_dvec3()).as_vec3();
     let (edge_u, edge_v) = (vector(p.edge_u), vector(p.edge_v));
     // A sphere's normal depends on its center alone.
-    let turns_over = p.shape != PrimitiveShape::Sphere && is_mirrored(instance_to_world);
+    let turns_over = !p.shape.is_round() && is_mirrored(instance_to_world);
     let flip_normal = p.flip_normal ^ turns_over;
     // The signs of a sphere's texture coordinates tell the hand of its frame, which a mirror changes.
-    let is_other_hand = p.shape == PrimitiveShape::Sphere && is_mirrored(instance_to_world);
+    let is_other_hand = p.shape.is_round() && is_mirrored(instance_to_world);
     let uvs = if is_other_hand { p.uvs.map(|uv| -uv) } else { p.uvs };
     has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, uvs, ..p })
 }

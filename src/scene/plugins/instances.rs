@@ -192,7 +192,7 @@ fn kept(group: u32, to_world: &DMat4) -> Option<Instance> {
 }
 
 fn is_sphere(shape: &Shape) -> bool {
-    matches!(shape.geometry, Geometry::Sphere)
+    matches!(shape.geometry, Geometry::Sphere | Geometry::FacingDisk { .. })
 }
 
 /// Copy of a group's shape in the place of an instance.

@@ -25,7 +25,7 @@ use super::shape::{self, Geometry, MeshFile, Shape};
 use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::{Textures, number_images};
-use super::{curves, fit, integrator, sensor, texture_images, vertex_colors};
+use super::{curves, facing, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, Object, Value};
@@ -259,12 +259,18 @@ impl<'a> Builder<'a> {
         let emitter = properties.object(Kind::Emitter)?;
         let boundary = self.media.boundary(&mut properties, &mut self.warnings);
         let boundary = self.faults.keep(boundary).flatten();
-        let material = match properties.object(Kind::Bsdf)? {
+        let bsdf = properties.object(Kind::Bsdf)?;
+        let is_facing = matches!(geometry, Some(Geometry::FacingDisk { .. }));
+        if is_facing {
+            self.faults.keep(facing::check(object, emitter, bsdf, boundary.is_some()));
+        }
+        let material = match bsdf {
             Some(bsdf) => {
                 let shape_id = object.id.as_deref();
                 let kept = self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings);
                 self.faults.keep(kept)
             }
+            None if is_facing => Some(self.materials.keep_null()),
             None => Some(self.materials.keep_default(emitter.is_some())),
         };
         if let Some(kind) = geometry.as_ref().and_then(curves::kind) {
@@ -273,8 +279,17 @@ impl<'a> Builder<'a> {
         if let Some(emitter) = emitter {
             self.lit.insert(std::ptr::from_ref(emitter));
             let (scope, textures) = (&self.scope, &mut self.textures);
-            let area = emitter_plugin::parse_area(emitter, scope, textures, &mut self.warnings);
+            let axis = common.to_world.z_axis.truncate();
+            let area = emitter_plugin::parse_area(emitter, axis, scope, textures, &mut self.warnings);
             if let Some(area) = self.faults.keep(area).flatten() {
+                if is_facing {
+                    self.faults.keep(facing::check_radiance(emitter, &area));
+                }
+                if keys.is_some() && area.cone.is_some() {
+                    return Err(
+                        emitter.error("a `spotarea` emitter cannot move; use `area`, or a shape that stands still")
+                    );
+                }
                 common.emitter = Some(self.emitters.len() as u32);
                 self.emitters.push(area);
             }
@@ -316,11 +331,18 @@ impl<'a> Builder<'a> {
             return Err(object.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
         }
         match self.parse_shape(object)? {
+            Some(Shape { common, .. }) if self.has_cone(&common) => {
+                Err(object.error("a `spotarea` emitter cannot stand in a `shapegroup`; put its shape into the scene"))
+            }
             Some(Shape { keys: Some(_), .. }) => {
                 Err(object.error("a shape in a `shapegroup` cannot move; move the `instance` that shows the group"))
             }
             shape => Ok(shape),
         }
+    }
+
+    fn has_cone(&self, common: &Common) -> bool {
+        common.emitter.is_some_and(|emitter| self.emitters[emitter as usize].cone.is_some())
     }
 
     /// Remembers the first thing that moves.

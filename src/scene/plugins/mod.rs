@@ -7,6 +7,7 @@ mod curves;
 mod cylinder;
 mod emission;
 mod emitter_plugin;
+mod facing;
 mod fit;
 mod flatten;
 mod grid_file;

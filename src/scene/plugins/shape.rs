@@ -17,7 +17,7 @@ use crate::scene::mesh::rings::Kind;
 use crate::scene::mesh::{Mesh, MeshFormat};
 use crate::scene::{Primitive, PrimitiveShape};
 
-pub(super) const SUPPORTED: [&str; 12] = [
+pub(super) const SUPPORTED: [&str; 13] = [
     "obj",
     "ply",
     "serialized",
@@ -26,11 +26,15 @@ pub(super) const SUPPORTED: [&str; 12] = [
     "sphere",
     "cylinder",
     "disk",
+    "facingdisk",
     "linearcurve",
     "bsplinecurve",
     "shapegroup",
     "instance",
 ];
+
+/// Plugin of a disk that faces what it lights.
+pub(super) const FACING_DISK: &str = "facingdisk";
 
 /// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
 pub(super) const SIMILARITY: f64 = 1e-3;
@@ -53,6 +57,7 @@ pub(super) enum Geometry {
     Disk,
     Cube,
     Sphere,
+    FacingDisk { unseen: bool },
     Cylinder,
 }
 
@@ -104,6 +109,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
             common.to_world = parse_sphere(properties, common.to_world)?;
             Ok(Geometry::Sphere)
         }
+        FACING_DISK => parse_facing_disk(properties, common),
         "cylinder" => {
             common.to_world = cylinder::parse(properties, common.to_world)?;
             Ok(Geometry::Cylinder)
@@ -152,6 +158,16 @@ fn parse_curves(properties: &mut Properties, kind: Kind, common: &mut Common) ->
     Ok(Geometry::Mesh(MeshFile { path: properties.file("filename", "curve file")?.0.path, format }, options))
 }
 
+/// Reads a disk that faces what it lights.
+fn parse_facing_disk(properties: &mut Properties, common: &mut Common) -> Result<Geometry> {
+    common.to_world = parse_sphere(properties, common.to_world)?;
+    if common.flip_normals {
+        let message = "a `facingdisk` has no `flip_normals`, because it faces what it lights; leave it out";
+        return Err(properties.owner().error(message));
+    }
+    Ok(Geometry::FacingDisk { unseen: !properties.boolean("visible_to_camera")?.unwrap_or(true) })
+}
+
 /// Transform from the unit sphere to the world.
 fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
     let object = properties.owner();
@@ -159,19 +175,31 @@ fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
     let radius = f64::from(properties.positive_float("radius", 1.0)?);
     let result = to_world * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
     if !transform::is_similarity(&result, SIMILARITY) {
-        return Err(object.error("the `to_world` of a sphere must not scale unevenly or shear"));
+        return Err(object.error(format!("the `to_world` of a {} must not scale unevenly or shear", object.plugin)));
     }
     if transform::axes(&result)[0].as_vec3().length_squared() < f32::MIN_POSITIVE {
-        return Err(object.error("a sphere needs a radius greater than 0"));
+        return Err(object.error(format!("a {} needs a radius greater than 0", object.plugin)));
     }
     Ok(result)
 }
 
 impl Shape {
+    /// Plugin of a shape that has the same radius to all sides.
+    fn round_plugin(&self) -> Option<&'static str> {
+        match self.geometry {
+            Geometry::Sphere => Some("sphere"),
+            Geometry::FacingDisk { .. } => Some(FACING_DISK),
+            _ => None,
+        }
+    }
+
     /// Checks that an `instance` can show this shape of its group.
     pub fn check_instance(&self, to_world: &DMat4, instance: &Object) -> Result<()> {
-        if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(to_world, SIMILARITY) {
-            return Err(instance.error("an instance with a sphere must not be scaled unevenly or sheared"));
+        if let Some(plugin) = self.round_plugin()
+            && !transform::is_similarity(to_world, SIMILARITY)
+        {
+            let message = format!("an instance with a {plugin} must not be scaled unevenly or sheared");
+            return Err(instance.error(message));
         }
         Ok(())
     }
@@ -179,9 +207,11 @@ impl Shape {
     /// Checks that the shape keeps its kind while it moves.
     pub fn check_keys(&self) -> Result<()> {
         let matrices = || self.keys.iter().flat_map(|keys| keys.iter()).map(|(_, matrix)| matrix);
-        if matches!(self.geometry, Geometry::Sphere) && !matrices().all(|key| transform::is_similarity(key, SIMILARITY))
+        if let Some(plugin) = self.round_plugin()
+            && !matrices().all(|key| transform::is_similarity(key, SIMILARITY))
         {
-            return Err(self.origin.error("the `to_world` of a sphere must not scale unevenly or shear"));
+            let message = format!("the `to_world` of a {plugin} must not scale unevenly or shear");
+            return Err(self.origin.error(message));
         }
         Ok(())
     }
@@ -193,7 +223,7 @@ pub(super) fn primitive_count(shape: &Shape, meshes: &HashMap<MeshFile, Arc<Mesh
         Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
         Geometry::Cylinder => cylinder::UNIT.triangles.len(),
         Geometry::Cube => 6,
-        Geometry::Rectangle | Geometry::Disk | Geometry::Sphere => 1,
+        Geometry::Rectangle | Geometry::Disk | Geometry::Sphere | Geometry::FacingDisk { .. } => 1,
     }
 }
 
@@ -216,6 +246,7 @@ pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Arc<Mesh>>)
         Geometry::Disk => few(flatten::flat(PrimitiveShape::Disk, common), common),
         Geometry::Cube => few(flatten::cube(common), common),
         Geometry::Sphere => few(vec![flatten::sphere(common)], common),
+        Geometry::FacingDisk { unseen } => few(vec![flatten::facing_disk(common, *unseen)], common),
         Geometry::Cylinder => mesh(&cylinder::UNIT, &MeshOptions { face_normals: false, flip_uvs: false }),
     };
     placed.ok_or_else(|| {

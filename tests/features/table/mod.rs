@@ -6,6 +6,7 @@ mod curves;
 mod cylinders;
 mod emitters;
 mod extremes;
+mod lamps;
 mod media;
 mod passages;
 mod paths;
@@ -154,6 +155,7 @@ pub fn all() -> Vec<Case> {
     passages::add(&mut table);
     media::add(&mut table);
     volumes::add(&mut table);
+    lamps::add(&mut table);
     table.0
 }
 

@@ -15,7 +15,7 @@ use crate::subject::Subject;
 
 /// Surfaces above the floor that let light through, and the lights that shine through them.
 const PANES: [Pane; 2] = [Pane::Mask(0.4), Pane::Blend(0.2)];
-const THROUGH_PANES: [&str; 3] = ["rectangle", "constant", "directional"];
+const THROUGH_PANES: [&str; 4] = ["rectangle", "constant", "directional", "facing"];
 
 const SIDE: u32 = 16;
 const SPP: u32 = 512;

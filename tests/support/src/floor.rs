@@ -10,7 +10,7 @@ use crate::scenes::ours;
 use crate::twins::light::environment_radiance;
 
 /// Lights that rays can hit, and lights that no ray can hit.
-pub const SPREAD: [&str; 6] = ["rectangle", "textured", "disk", "sphere", "constant", "envmap"];
+pub const SPREAD: [&str; 7] = ["rectangle", "textured", "disk", "sphere", "facing", "constant", "envmap"];
 pub const DELTA: [&str; 3] = ["point", "spot", "directional"];
 
 /// Reflectance of the floor in `floor.xml`.
@@ -64,6 +64,10 @@ pub fn floor_radiance(light: &str) -> f64 {
         "sphere" => {
             let center = dvec3(-1.0, 1.5, 0.5);
             dvec3(12.0, 13.0, 14.0) * (PI * 0.0625 / center.length_squared() * up(center))
+        }
+        "facing" => {
+            let center = dvec3(-1.0, 1.5, 0.5);
+            dvec3(5.0, 4.0, 6.0) * (PI * 0.25 / (0.25 + center.length_squared()) * up(center))
         }
         "constant" => dvec3(1.0, 0.75, 0.5) * PI,
         "envmap" => map_irradiance(&ours("lights/floor.xml", &[("light", "envmap")])),

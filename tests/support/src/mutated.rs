@@ -24,6 +24,8 @@ pub const COUNTED_TWICE: &str = "light counted whole however it is found";
 pub const SHUT: &str = "holes that shadow rays do not pass";
 pub const PASSED_TWICE: &str = "light that passes each surface twice";
 pub const WRONG_VERTEX: &str = "the density at the last hole";
+/// Mutation: behind a hole, a disk faces the hole in place of the surface that it lights.
+pub const TURNED_TO_HOLE: &str = "facing disks turned to the last hole";
 /// Mutations: faults of media.
 pub const DIMMED_TWICE: &str = "media that dim sampled lights twice";
 pub const OTHER_SIDE: &str = "the medium of the other side";

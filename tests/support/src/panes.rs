@@ -32,7 +32,7 @@ impl Pane {
     }
 
     /// Adds the pane's material. Returns its index.
-    fn material(self, scene: &mut Scene) -> u32 {
+    pub fn material(self, scene: &mut Scene) -> u32 {
         let mut add = |kind| {
             scene.materials.push(Material { name: "pane".into(), kind, boundary: None });
             scene.materials.len() as u32 - 1

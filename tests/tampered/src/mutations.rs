@@ -34,6 +34,7 @@ const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
 const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
+const PATH: &str = "glsl/include/path/path.glsl";
 const PASSAGE: &str = "glsl/include/path/passage.glsl";
 const MEDIUM: &str = "glsl/include/path/medium.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
@@ -499,6 +500,14 @@ pub const MUTATIONS: &[Mutation] = &[
             file: VERTEX,
             text: "if (!straight) path.previous_position = surface.position;\n        if (!straight) ",
             mutated: "if (!straight || MUTATED) path.previous_position = surface.position;\n        if (!straight || MUTATED) ",
+        }],
+    ),
+    mutation(
+        "facing disks turned to the last hole",
+        &[Patch {
+            file: PATH,
+            text: "turn_disks(path.previous_position, ",
+            mutated: "turn_disks(MUTATED ? path.ray.origin : path.previous_position, ",
         }],
     ),
     mutation(

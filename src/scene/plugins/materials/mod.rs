@@ -28,7 +28,7 @@ use crate::scene::medium::Boundary;
 use crate::scene::texture::Textured;
 pub(super) use lobes::conserve_energy;
 use parameters::{DEFAULT_REFLECTANCE, Parameters};
-use tree::Tree;
+use tree::{Tree, null_surface};
 
 /// Plugins that contain other BSDFs.
 const MODIFIERS: [&str; 7] = ["twosided", "mask", "blendbsdf", "mixturebsdf", "bumpmap", "normalmap", "coating"];
@@ -69,6 +69,8 @@ pub(super) struct Materials<'a> {
     bounding: HashMap<(u32, Boundary), u32>,
     /// Indices of the default materials: of shapes that do not emit, and of shapes that do.
     defaults: [Option<u32>; 2],
+    /// Index of the material of disks that face what they light.
+    null: Option<u32>,
     list: Vec<Material>,
 }
 
@@ -82,6 +84,7 @@ impl<'a> Materials<'a> {
             kept: HashMap::new(),
             bounding: HashMap::new(),
             defaults: [None; 2],
+            null: None,
             list: Vec::new(),
         }
     }
@@ -100,6 +103,16 @@ impl<'a> Materials<'a> {
             let reflectance = Textured::constant(Vec3::splat(albedo));
             let kind = MaterialKind::Surface(SurfaceMaterial::plain(Bsdf::Diffuse { reflectance }));
             list.push(Material { name: name.to_string(), kind, boundary: None });
+            list.len() as u32 - 1
+        })
+    }
+
+    /// Index in `Scene::materials` of the material of disks that face what they light: all light passes.
+    pub fn keep_null(&mut self) -> u32 {
+        let list = &mut self.list;
+        *self.null.get_or_insert_with(|| {
+            let kind = MaterialKind::Surface(null_surface());
+            list.push(Material { name: "default of facing disks".to_string(), kind, boundary: None });
             list.len() as u32 - 1
         })
     }

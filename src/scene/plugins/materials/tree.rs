@@ -20,6 +20,18 @@ pub(super) enum Tree {
     },
 }
 
+/// Surface that lets this share of light go straight on and absorbs the rest.
+fn sheet(transmitted: f32) -> SurfaceMaterial {
+    let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
+    let opacity = Textured::constant(1.0 - transmitted);
+    SurfaceMaterial { opacity, ..SurfaceMaterial::plain(black) }
+}
+
+/// Surface that all light passes.
+pub(super) fn null_surface() -> SurfaceMaterial {
+    sheet(1.0)
+}
+
 impl Tree {
     /// `null`: the surface lets all light pass, as a `mask` of opacity 0.
     pub fn null() -> Self {
@@ -28,9 +40,7 @@ impl Tree {
 
     /// Sheet that lets this share of light go straight on and absorbs the rest.
     pub fn sheet(transmitted: f32) -> Self {
-        let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
-        let opacity = Textured::constant(1.0 - transmitted);
-        Self::Surface(SurfaceMaterial { opacity, ..SurfaceMaterial::plain(black) })
+        Self::Surface(sheet(transmitted))
     }
 
     /// Changes every surface. The error says why one cannot be changed.

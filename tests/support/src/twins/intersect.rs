@@ -31,10 +31,21 @@ pub struct Crossing {
 /// Cosine within which rounding decides whether a ray meets a front.
 const GRAZING: f64 = 1.0e-3;
 
+/// A disk that faces what it lights, as the flat disk that it is for light that arrives at `to`.
+pub fn turned(p: &Primitive, to: DVec3) -> Primitive {
+    if !matches!(p.shape, PrimitiveShape::FacingDisk { .. }) {
+        return *p;
+    }
+    let (edge_u, edge_v) = (to - p.origin.as_dvec3()).normalize().any_orthonormal_pair();
+    let [edge_u, edge_v] = [edge_u, edge_v].map(|edge| (f64::from(p.edge_u.length()) * edge).as_vec3());
+    Primitive { shape: PrimitiveShape::Disk, edge_u, edge_v, ..*p }
+}
+
 /// All crossings of the line with the primitive or its plane.
 pub fn crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
     match p.shape {
         PrimitiveShape::Sphere => sphere_crossings(ray, p),
+        PrimitiveShape::FacingDisk { .. } => flat_crossing(ray, &turned(p, ray.origin)).into_iter().collect(),
         _ => flat_crossing(ray, p).into_iter().collect(),
     }
 }
@@ -60,7 +71,7 @@ fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
         PrimitiveShape::Triangle => u.min(v).min(1.0 - u - v),
         PrimitiveShape::Parallelogram => 1.0 - u.abs().max(v.abs()),
         PrimitiveShape::Disk => 1.0 - u.hypot(v),
-        PrimitiveShape::Sphere => unreachable!("a sphere is not flat"),
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => unreachable!("a round shape is not flat"),
     };
     let longest = edge_u.length().max(edge_v.length());
     let of_plane = determinant.abs() / longest.powi(2);

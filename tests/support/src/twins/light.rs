@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3, dvec2};
 use lodestar::encode::lights::{EnvironmentMap, EnvironmentTable};
 use lodestar::scene::{DeltaKind, Primitive, PrimitiveShape};
 
-use super::intersect::{Ray, crossings};
+use super::intersect::{Ray, crossings, turned};
 
 /// Ratio of the squared distance of a sphere's center to its squared radius. Above it, the sphere is sampled by the
 /// cone that it fills.
@@ -14,6 +14,7 @@ const CONE_FROM: f64 = 1.001;
 
 /// Density per steradian with which a direction to `p` is drawn from `from`.
 pub fn pdf_primitive(p: &Primitive, from: DVec3, direction: DVec3) -> f64 {
+    let p = &turned(p, from);
     let hits = crossings(&Ray { origin: from, direction, t_max: f64::INFINITY }, p);
     let hits = hits.into_iter().filter(|hit| hit.inside >= 0.0 && hit.t > 0.0);
     let to_center = p.origin.as_dvec3() - from;
@@ -41,7 +42,8 @@ pub fn area(p: &Primitive) -> f64 {
         PrimitiveShape::Triangle => 0.5 * spanned,
         PrimitiveShape::Parallelogram => 4.0 * spanned,
         PrimitiveShape::Disk => PI * spanned,
-        PrimitiveShape::Sphere => 4.0 * PI * p.edge_u.as_dvec3().length_squared(),
+        // What faces everything has the power of a sphere.
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => 4.0 * PI * p.edge_u.as_dvec3().length_squared(),
     }
 }
 
