@@ -159,7 +159,7 @@ fn describe(summary: &Summary) -> String {
     let _ = writeln!(
         text,
         "memory of a render on its device: about {all}, of which the film of this size takes {of_film}; the guide and the program come on \
-         top, and on the host a copy of up to 4 million pixels"
+         top, and on the host a copy of the film (on a CPU, of a film of up to 4 million pixels)"
     );
     let _ = writeln!(text, "warnings: {}", summary.warnings.len());
     for warning in &summary.warnings {

@@ -424,7 +424,7 @@ fn cone_records(emitters: &[AreaEmitter]) -> Vec<ConeRecord> {
     }
     let record = |cone: Cone| {
         let rise = cone.cos_beam - cone.cos_cutoff;
-        ConeRecord { slope: (cone.axis / rise).into(), offset: -cone.cos_cutoff / rise }
+        ConeRecord { slope: (cone.axis / rise as f32).into(), offset: (-cone.cos_cutoff / rise) as f32 }
     };
     let none = ConeRecord { slope: [0.0; 3], offset: 1.0 };
     emitters.iter().map(|emitter| emitter.cone.map_or(none, record)).collect()

@@ -23,6 +23,10 @@ const ENDINGS: [(&str, Format); 6] = [
 ];
 /// Quality of JPEG files, from 1 to 100.
 const JPEG_QUALITY: u8 = 95;
+/// Most pixels of a side of a JPEG file.
+const LONGEST_JPEG: u32 = 65_535;
+/// Bytes of a TIFF file before its pixels.
+const TIFF_HEAD: u32 = 8 + 2 + 12 * 13 + 4 + 6 + 8;
 /// Largest value of an HDR file. Its exponents end at 2^127.
 const LARGEST_HDR: f32 = 1.0e38;
 
@@ -45,6 +49,27 @@ impl Format {
         ENDINGS.iter().find(|(ending, _)| has_extension(path, ending)).map(|&(_, format)| format)
     }
 
+    /// Bytes of a pixel before they are compressed.
+    fn bytes_per_pixel(self) -> u64 {
+        match self {
+            Self::Png | Self::Jpeg => 3,
+            Self::Tiff => 6,
+            Self::Hdr => 12,
+        }
+    }
+
+    /// Why the format cannot hold a picture of this width and height; `None` where it can.
+    pub fn fault_of_size(self, [width, height]: [u32; 2]) -> Option<String> {
+        let bytes = self.bytes_per_pixel().saturating_mul(u64::from(width) * u64::from(height));
+        match self {
+            Self::Jpeg if width.max(height) > LONGEST_JPEG => {
+                Some(format!("a JPEG file has at most {LONGEST_JPEG} pixels a side"))
+            }
+            Self::Tiff if bytes > u64::from(u32::MAX - TIFF_HEAD) => Some("a TIFF file holds less than 4 GiB".into()),
+            _ => None,
+        }
+    }
+
     /// Whether tone curve and exposure make the values, for a screen.
     pub fn is_for_screens(self) -> bool {
         self != Self::Hdr
@@ -64,12 +89,7 @@ impl Canvas {
     /// A picture of this width and height without pixels yet. For screens, colors are scaled by `2^exposure_stops` and shown through
     /// `curve`.
     pub fn new(format: Format, size: [u32; 2], curve: ToneCurve, exposure_stops: f32) -> Self {
-        let bytes_per_pixel = match format {
-            Format::Png | Format::Jpeg => 3,
-            Format::Tiff => 6,
-            Format::Hdr => 12,
-        };
-        let bytes = Vec::with_capacity(bytes_per_pixel * size[0] as usize * size[1] as usize);
+        let bytes = Vec::with_capacity(format.bytes_per_pixel() as usize * size[0] as usize * size[1] as usize);
         Self { format, size, curve, scale: f64::from(exposure_stops).exp2(), bytes }
     }
 
@@ -117,6 +137,9 @@ impl Canvas {
     /// Where the writer fails, or the format has not so many pixels.
     pub fn encode(&self, writer: impl Write) -> io::Result<()> {
         let [width, height] = self.size;
+        if let Some(fault) = self.format.fault_of_size(self.size) {
+            return Err(io::Error::other(format!("{fault}; write an .exr file")));
+        }
         let encoded = match self.format {
             Format::Png => PngEncoder::new(writer).write_image(&self.bytes, width, height, ExtendedColorType::Rgb8),
             Format::Jpeg => {
@@ -139,8 +162,8 @@ impl Canvas {
         let fields = 13;
         let bits = 8 + 2 + 12 * fields + 4;
         let (resolution, pixels) = (bits + 6, bits + 6 + 8);
-        let length = u32::try_from(self.bytes.len()).ok().filter(|length| length.checked_add(pixels).is_some());
-        let length = length.ok_or_else(|| io::Error::other("a TIFF file holds less than 4 GiB; write an .exr file"))?;
+        debug_assert_eq!(pixels, TIFF_HEAD);
+        let length = self.bytes.len() as u32;
         let directory: [(u16, u16, u32, u32); 13] = [
             (256, LONG, 1, width),
             (257, LONG, 1, height),
@@ -198,6 +221,14 @@ mod tests {
         assert_eq!([of("a.JPG"), of("a.jpeg")], [Some(Format::Jpeg); 2]);
         assert_eq!([of("a.tif"), of("a.Tiff")], [Some(Format::Tiff); 2]);
         assert_eq!((of("a.png"), of("a.hdr"), of("a.exr")), (Some(Format::Png), Some(Format::Hdr), None));
+    }
+
+    #[test]
+    fn formats_have_limits() {
+        let fits = |format: Format, size| format.fault_of_size(size).is_none();
+        assert!(fits(Format::Jpeg, [65_535, 2]) && !fits(Format::Jpeg, [2, 65_536]));
+        assert!(fits(Format::Tiff, [26_754, 26_754]) && !fits(Format::Tiff, [26_755, 26_755]));
+        assert!(fits(Format::Png, [65_536, 65_536]) && fits(Format::Hdr, [65_536, 65_536]));
     }
 
     #[test]

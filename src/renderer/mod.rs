@@ -163,7 +163,7 @@ impl Renderer {
     }
 
     /// Whether copies of the whole film are kept in the host's memory. Where it is the device's own, a copy of a large film would take as
-    /// much again, and a device that is lost there takes the host with it.
+    /// much again.
     pub(crate) fn has_copies(&self) -> bool {
         self.needs.has_copies(&self.settings)
     }

@@ -23,16 +23,16 @@ pub struct Cone {
     /// Unit axis, away from the light.
     pub axis: Vec3,
     /// Cosine of the half angle beyond which no light leaves.
-    pub cos_cutoff: f32,
+    pub cos_cutoff: f64,
     /// Cosine of the half angle up to which all light leaves, above `cos_cutoff`.
-    pub cos_beam: f32,
+    pub cos_beam: f64,
 }
 
 impl Cone {
     /// Share of the light of an emitter without the cone that leaves through it.
     pub fn share(&self) -> f64 {
         // The mean of the smooth rise is a half.
-        0.5 * (1.0 - 0.5 * (f64::from(self.cos_cutoff) + f64::from(self.cos_beam)))
+        0.5 * (1.0 - 0.5 * (self.cos_cutoff + self.cos_beam))
     }
 }
 

@@ -49,7 +49,7 @@ pub enum Window {
 }
 
 impl Window {
-    /// The window in pixels of a film of this size. Edges are rounded to pixels, so that windows that touch share none.
+    /// The window in pixels of a film of this size. Edges are rounded to pixels, so windows that touch share none, unless one is narrower than a pixel.
     pub fn within(self, [width, height]: [u32; 2]) -> Crop {
         let [left, top, share_of_width, share_of_height] = match self {
             Self::Pixels(crop) => return crop,

@@ -10,7 +10,7 @@ use crate::film::strips::{Pixels, Strips, each};
 use crate::film::{self, Denoised, Picture, Precision};
 use crate::image::canvas::{Canvas, Format};
 use crate::image::{Exposure, Image, ToneCurve, exr, metrics};
-use crate::scene::Scene;
+use crate::scene::{Crop, Scene};
 use crate::settings::Settings;
 use crate::{Error, Result, files};
 
@@ -84,6 +84,16 @@ impl PictureFiles {
         exr::check_date()?;
         files.paths.iter().try_for_each(|path| files::check_writable(path))?;
         Ok(files)
+    }
+
+    /// Refuses files whose format cannot hold a picture of this window.
+    pub(super) fn check_size(&self, window: &Crop) -> Result<()> {
+        self.paths.iter().try_for_each(|path| {
+            let fault = Format::of(path).and_then(|format| format.fault_of_size([window.width, window.height]));
+            fault.map_or(Ok(()), |fault| {
+                Err(Error::Settings(format!("{}: {fault}; write an .exr file", path.display())))
+            })
+        })
     }
 
     /// No files, for a render whose picture stays in memory.

@@ -84,6 +84,7 @@ impl Prepared {
         let guide = guide.filter(|_| plan.earlier.is_none());
         let scene_path = input.absolute_path().unwrap_or_else(|| PathBuf::from(&scene.name));
         let inputs = Inputs::new(&plan, &scene, options, watch)?;
+        inputs.pictures.check_size(&plan.settings.window())?;
         if !inputs.wanted.overwrite {
             inputs.pictures.check_scene(&scene_path, &scene_hash)?;
         }

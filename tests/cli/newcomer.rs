@@ -174,7 +174,7 @@ fn a_missing_folder_is_named_before_the_scene_is_read() {
 #[test]
 fn standard_output_is_no_picture() {
     let folder = Folder::new();
-    let words = ["no picture goes to standard output", ".exr or .png"];
+    let words = ["no picture goes to standard output", ".exr, .png, .jpg, .tif or .hdr"];
     assert_sentence(&folder.run(&["render", "scene.xml", "-o", "-"]), 2, &words);
 }
 

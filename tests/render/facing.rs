@@ -3,6 +3,9 @@
 //! At a distance d from the center of such a disk of the radius r and the radiance L, a surface that faces the center gets the irradiance
 //! pi L r^2 / (d^2 + r^2). So the walls of a round room about the lamp are evenly lit.
 
+use glam::{Vec3, vec3};
+use lodestar::encode::bvh::Bvh;
+use lodestar::radiance_map::{MappedScene, SurfacePoint};
 use lodestar::scene::{Camera, LoadOptions, PrimitiveShape, Scene, load};
 use lodestar::settings::{Execution, Sampler, Settings, UNLIMITED_DEPTH};
 use support::mutated::TURNED_TO_HOLE;
@@ -36,10 +39,13 @@ fn of_walls(lamp_radius: f32) -> f64 {
 const WAYS: [(bool, Sampler, Execution); 5] = [
     (true, Sampler::Bsdf, Execution::Megakernel),
     (false, Sampler::Bsdf, Execution::Wavefront),
-    (false, Sampler::Bsdf, Execution::Megakernel),
     (true, Sampler::Product, Execution::Wavefront),
+    (false, Sampler::Bsdf, Execution::Megakernel),
     (true, Sampler::Product, Execution::Megakernel),
 ];
+
+/// Ways that the quick tier takes.
+const QUICK_WAYS: usize = 3;
 
 fn way(at: usize) -> impl Fn(&mut Settings) {
     move |s| {
@@ -53,7 +59,7 @@ fn way(at: usize) -> impl Fn(&mut Settings) {
 fn a_round_room_is_evenly_lit() {
     let device = Device::new();
     for radius in [0.5, 2.0] {
-        for at in 0..if tier::is_full() { WAYS.len() } else { 2 } {
+        for at in 0..if tier::is_full() { WAYS.len() } else { QUICK_WAYS } {
             let rendered = mean_of(&device, &room(radius), 41 + at as u32, 256, way(at));
             assert_is(&format!("radius {radius}, {:?}", WAYS[at]), rendered, of_walls(radius));
         }
@@ -67,7 +73,7 @@ fn holes_do_not_turn_a_lamp() {
     let mut scene = room(0.5);
     let material = Pane::Mask(0.0).material(&mut scene);
     scene.add_sphere([0.3, 0.2, -0.1], 0.45, lodestar::scene::Surface { material, emitter: None });
-    for at in 0..if tier::is_full() { WAYS.len() } else { 2 } {
+    for at in 0..if tier::is_full() { WAYS.len() } else { QUICK_WAYS } {
         let rendered = mean_of(&device, &scene, 51 + at as u32, 512, way(at));
         assert_is(&format!("{:?}", WAYS[at]), rendered, of_walls(0.5));
     }
@@ -86,6 +92,24 @@ fn a_lamp_hides_from_the_camera_alone() {
         let (mean, _) = mean_of(&device, &scene, 61, 4, |_| {});
         assert!((mean - expected).abs() < 1.0e-5, "unseen: {unseen}: {mean}, not {expected}");
     }
+}
+
+/// The true radiance at a point has the light of a lamp that the camera does not see.
+#[test]
+fn the_true_radiance_has_hidden_lamps() {
+    let device = Device::new();
+    let point = SurfacePoint { position: vec3(0.0, -0.9, 0.0), normal: Vec3::Y };
+    let brightest = |unseen: bool| {
+        let mut scene = room(0.5);
+        scene.primitives[1].shape = PrimitiveShape::FacingDisk { unseen };
+        let bvh = Bvh::of_scene(&scene);
+        let settings = Settings { directions: 16, ..Settings::for_scene(&scene) };
+        let place = MappedScene { context: device.context(), scene: &scene, bvh: &bvh };
+        let radiance = place.true_radiance(&settings, &point, 4).expect("a map");
+        radiance.into_iter().fold(0.0, f32::max)
+    };
+    assert_eq!(brightest(true), brightest(false));
+    assert!(brightest(true) > 0.9 * RADIANCE as f32);
 }
 
 /// A lamp over a floor in a scene of paths of four edges.

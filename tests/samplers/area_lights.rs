@@ -162,7 +162,7 @@ fn a_cone_dims_what_leaves_beside_its_axis() {
         let from = center.as_dvec3() + 1.5 * axis.as_dvec3() + dvec3(0.9, 0.3, -0.5);
         let drawn = draw_from(&scene, from, 4096, 31);
         let share = |s: &LightOutput, cone: &Cone| {
-            let [low, high] = [cone.cos_cutoff, cone.cos_beam].map(f64::from);
+            let [low, high] = [cone.cos_cutoff, cone.cos_beam];
             let x = ((-s.wi().dot(cone.axis.as_dvec3()) - low) / (high - low)).clamp(0.0, 1.0);
             x * x * (3.0 - 2.0 * x)
         };

@@ -37,12 +37,38 @@ fn a_cone_lies_about_the_axis_of_its_shape() {
                 <float name='cutoff_angle' value='60'/><float name='beam_width' value='30'/></emitter>";
     let cone = read(spot).emitters[0].cone.expect("a cone");
     assert!(cone.axis.abs_diff_eq(Vec3::Y, 1.0e-6), "{cone:?}");
-    assert!((cone.cos_cutoff - 0.5).abs() < 1.0e-6 && (cone.cos_beam - 0.75_f32.sqrt()).abs() < 1.0e-6, "{cone:?}");
+    assert!((cone.cos_cutoff - 0.5).abs() < 1.0e-6 && (cone.cos_beam - 0.75_f64.sqrt()).abs() < 1.0e-6, "{cone:?}");
     assert!((cone.share() - 0.5 * (1.0 - 0.5 * (0.5 + 0.75_f64.sqrt()))).abs() < 1.0e-6);
     // A beam as wide as the cone has a sharp edge.
     let sharp = "<emitter type='spotarea'><float name='cutoff_angle' value='60'/><float name='beam_width' value='60'/></emitter>";
     let cone = read(sharp).emitters[0].cone.expect("a cone");
-    assert!(cone.cos_beam > cone.cos_cutoff && cone.cos_beam < 0.5001, "{cone:?}");
+    assert!(cone.cos_beam > cone.cos_cutoff && cone.cos_beam < 0.501, "{cone:?}");
+    // Also that of a narrow cone.
+    let narrow = "<emitter type='spotarea'><float name='cutoff_angle' value='0.2'/><float name='beam_width' value='0.2'/></emitter>";
+    let cone = read(narrow).emitters[0].cone.expect("a cone");
+    assert!(cone.cos_cutoff < cone.cos_beam && cone.cos_beam < 1.0 && cone.share() > 0.0, "{cone:?}");
+    assert!((cone.share() / (0.5 * (1.0 - 0.2_f64.to_radians().cos())) - 1.0).abs() < 1.0e-3, "{cone:?}");
+}
+
+/// Light leaves on the side of the normal.
+#[test]
+fn a_cone_turns_with_the_normal() {
+    let spot = "<emitter type='spotarea'/>";
+    for (inside, axis) in [
+        ("", Vec3::Z),
+        ("<boolean name='flip_normals' value='true'/>", Vec3::NEG_Z),
+        ("<transform name='to_world'><scale z='-1'/></transform>", Vec3::NEG_Z),
+    ] {
+        let scene = load_body(&format!("<shape type='rectangle'>{inside}{spot}</shape>")).expect("a scene");
+        let primitive = &scene.primitives[0];
+        let side = if primitive.flip_normal { -1.0 } else { 1.0 };
+        let normal = side * primitive.edge_u.cross(primitive.edge_v).normalize();
+        let cone = scene.emitters[0].cone.expect("a cone");
+        assert!(
+            cone.axis.abs_diff_eq(axis, 1.0e-6) && normal.abs_diff_eq(axis, 1.0e-6),
+            "{inside}: {cone:?}, {normal}"
+        );
+    }
 }
 
 #[test]
@@ -57,6 +83,8 @@ fn what_a_facing_disk_cannot_have_is_refused() {
     refused(&disk(textured), "cannot be a texture, because the disk turns");
     let uneven = "<transform name='to_world'><scale x='2'/></transform>";
     refused(&disk(&format!("{uneven}{AREA}")), "the `to_world` of a facingdisk must not scale unevenly or shear");
+    let narrow = "<emitter type='spotarea'><float name='cutoff_angle' value='0.1'/></emitter>";
+    refused(&disk(narrow), "`cutoff_angle` of a `spotarea` must be at least 0.2, not 0.1");
     let group = disk("<emitter type='spotarea'/>");
     refused(
         &format!("<shape type='shapegroup'>{group}</shape>"),

@@ -20,8 +20,10 @@ const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
 /// Mitsuba's default beam width of a spot, as a share of the cone's half angle.
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
 
-/// Least difference of the cosines at a cone's border and at that of its beam.
-const SHARPEST_BORDER: f32 = 1.0e-5;
+/// Least share of a cone in which its light rises, by the difference of the cosines.
+const SHARPEST_BORDER: f64 = 1.0e-3;
+/// Least half angle of a cone in degrees. Cosines of single precision do not tell narrower cones apart.
+const NARROWEST_CONE: f32 = 0.2;
 
 /// Plugins of emitters.
 pub(super) const SUPPORTED: [&str; 11] = [
@@ -186,10 +188,16 @@ fn parse_cone(properties: &mut Properties, axis: DVec3) -> Result<Cone> {
     let axis = axis.try_normalize();
     let axis =
         axis.ok_or_else(|| properties.owner().error("the `to_world` of its shape shrinks its axis to length 0"))?;
+    let of_angle = properties.location("cutoff_angle");
     let (cutoff_angle, beam_width) = parse_angles(properties)?;
-    let [cos_cutoff, cos_beam] = [cutoff_angle, beam_width].map(|angle| f64::from(angle).to_radians().cos() as f32);
+    if cutoff_angle < NARROWEST_CONE {
+        let message = format!("`cutoff_angle` of a `spotarea` must be at least {NARROWEST_CONE}, not {cutoff_angle}");
+        return Err(of_angle.error(message));
+    }
+    let [cos_cutoff, cos_beam] = [cutoff_angle, beam_width].map(|angle| f64::from(angle).to_radians().cos());
     // Where the beam fills the cone, the border is sharp.
-    Ok(Cone { axis: axis.as_vec3(), cos_cutoff, cos_beam: cos_beam.max(cos_cutoff + SHARPEST_BORDER) })
+    let sharp = cos_cutoff + SHARPEST_BORDER * (1.0 - cos_cutoff);
+    Ok(Cone { axis: axis.as_vec3(), cos_cutoff, cos_beam: cos_beam.max(sharp) })
 }
 
 fn parse_spot<'a>(

@@ -279,7 +279,9 @@ impl<'a> Builder<'a> {
         if let Some(emitter) = emitter {
             self.lit.insert(std::ptr::from_ref(emitter));
             let (scope, textures) = (&self.scope, &mut self.textures);
-            let axis = common.to_world.z_axis.truncate();
+            // Light leaves on the side of the normal.
+            let side = if common.flip_normals { -1.0 } else { 1.0 };
+            let axis = side * common.to_world.z_axis.truncate();
             let area = emitter_plugin::parse_area(emitter, axis, scope, textures, &mut self.warnings);
             if let Some(area) = self.faults.keep(area).flatten() {
                 if is_facing {
