@@ -91,7 +91,7 @@ fn compare(path: &Path, layer: &str, image: Image, reference: &Image, reference_
 }
 
 /// Color of a picture. What its format lacks is told.
-fn color(path: &PathBuf) -> Result<Image> {
+fn color(path: &Path) -> Result<Image> {
     let (image, note) = color::read(path)?;
     note.iter().for_each(|note| report("note", note));
     Ok(image)

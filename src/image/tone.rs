@@ -69,13 +69,12 @@ fn product(matrix: &[[f64; 3]; 3], color: [f64; 3]) -> [f64; 3] {
 
 /// Color without negative values, NaN and infinity.
 fn bounded(color: [f64; 3]) -> [f64; 3] {
-    // `max` drops a NaN.
-    color.map(|value| value.max(0.0).min(1e6))
+    color.map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1e6) })
 }
 
 /// AgX, the display transform of Troy Sobotka (<https://github.com/sobotka/AgX>), in the minimal form of Benjamin Wrensch
 /// (<https://iolite-engine.com/blog_posts/minimal_agx_implementation>): a matrix, logarithms, a polynomial of degree 6 for the sigmoid, and
-/// the matrix back. The values are ready for the display. The polynomial's mean squared error is 3.7e-6, which is half a level of 8 bits.
+/// the matrix back. The values are ready for the display. The polynomial's mean squared error is 3.7e-6, whose root is half a level of 8 bits.
 /// Blender's AgX takes another way, through Rec. 2020 with tables for the gamut, so that saturated colors differ.
 fn agx(color: [f64; 3]) -> [f64; 3] {
     const INTO: [[f64; 3]; 3] = [
