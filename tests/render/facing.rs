@@ -35,8 +35,10 @@ fn of_walls(lamp_radius: f32) -> f64 {
     RADIANCE * squared / (1.0 + squared)
 }
 
-/// Ways to find the light of a lamp: whether emitters are sampled, by which sampler, and how kernels are executed.
-const WAYS: [(bool, Sampler, Execution); 5] = [
+/// Way to find the light of a lamp: whether emitters are sampled, by which sampler, and how kernels are executed.
+type Way = (bool, Sampler, Execution);
+
+const WAYS: [Way; 5] = [
     (true, Sampler::Bsdf, Execution::Megakernel),
     (false, Sampler::Bsdf, Execution::Wavefront),
     (true, Sampler::Product, Execution::Wavefront),
@@ -47,9 +49,14 @@ const WAYS: [(bool, Sampler, Execution); 5] = [
 /// Ways that the quick tier takes.
 const QUICK_WAYS: usize = 3;
 
-fn way(at: usize) -> impl Fn(&mut Settings) {
+/// The ways of this tier, each with a seed.
+fn ways(first_seed: u32) -> impl Iterator<Item = (u32, Way)> {
+    (first_seed..).zip(WAYS).take(if tier::is_full() { WAYS.len() } else { QUICK_WAYS })
+}
+
+fn by(way: Way) -> impl Fn(&mut Settings) {
     move |s| {
-        (s.nee, s.sampler, s.execution) = WAYS[at];
+        (s.nee, s.sampler, s.execution) = way;
         s.max_depth = UNLIMITED_DEPTH;
     }
 }
@@ -59,9 +66,9 @@ fn way(at: usize) -> impl Fn(&mut Settings) {
 fn a_round_room_is_evenly_lit() {
     let device = Device::new();
     for radius in [0.5, 2.0] {
-        for at in 0..if tier::is_full() { WAYS.len() } else { QUICK_WAYS } {
-            let rendered = mean_of(&device, &room(radius), 41 + at as u32, 256, way(at));
-            assert_is(&format!("radius {radius}, {:?}", WAYS[at]), rendered, of_walls(radius));
+        for (seed, way) in ways(41) {
+            let rendered = mean_of(&device, &room(radius), seed, 256, by(way));
+            assert_is(&format!("radius {radius}, {way:?}"), rendered, of_walls(radius));
         }
     }
 }
@@ -73,11 +80,11 @@ fn holes_do_not_turn_a_lamp() {
     let mut scene = room(0.5);
     let material = Pane::Mask(0.0).material(&mut scene);
     scene.add_sphere([0.3, 0.2, -0.1], 0.45, lodestar::scene::Surface { material, emitter: None });
-    for at in 0..if tier::is_full() { WAYS.len() } else { QUICK_WAYS } {
-        let rendered = mean_of(&device, &scene, 51 + at as u32, 512, way(at));
-        assert_is(&format!("{:?}", WAYS[at]), rendered, of_walls(0.5));
+    for (seed, way) in ways(51) {
+        let rendered = mean_of(&device, &scene, seed, 512, by(way));
+        assert_is(&format!("{way:?}"), rendered, of_walls(0.5));
     }
-    let found = surprise(mean_of(&device.mutated(TURNED_TO_HOLE), &scene, 52, 512, way(1)), of_walls(0.5));
+    let found = surprise(mean_of(&device.mutated(TURNED_TO_HOLE), &scene, 52, 512, by(WAYS[1])), of_walls(0.5));
     assert!(found < ALPHA, "{TURNED_TO_HOLE}: {found}");
 }
 
