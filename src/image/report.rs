@@ -19,9 +19,10 @@ use super::{Image, ToneCurve};
 use crate::files::write_whole;
 use crate::{Error, Result};
 
-/// The page. [`DATA`] stands in the place of its data.
+/// The page. [`DATA`] stands in the place of its data, and [`TONE`] in that of the tone curves.
 const PAGE: &str = include_str!("report/page.html");
 const DATA: &str = "@DATA@";
+const TONE: &str = "@TONE@";
 
 /// A picture of the report.
 pub struct ReportPicture {
@@ -105,7 +106,9 @@ impl Report {
         };
         // A name with `</script>` must not end the script.
         let json = serde_json::to_string(&data)?.replace('<', "\\u003c");
-        Ok(PAGE.replacen(DATA, &json, 1))
+        // The page has one script, which imports nothing.
+        let curves = include_str!("tone.js").replace("export ", "");
+        Ok(PAGE.replacen(TONE, &curves, 1).replacen(DATA, &json, 1))
     }
 }
 

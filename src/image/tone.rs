@@ -160,6 +160,20 @@ mod tests {
         }
     }
 
+    /// Pages show pictures by a script with the same constants.
+    #[test]
+    fn the_script_has_the_same_constants() {
+        let ours = include_str!("tone.rs").replace('_', "");
+        let is_digit = |c: char| c.is_ascii_digit() || c == '.';
+        let script = include_str!("tone.js").split(|c| !is_digit(c));
+        let constants: Vec<_> = script.filter(|word| word.contains('.') && word.len() > 4).collect();
+        assert!(constants.len() > 40, "{constants:?}");
+        for constant in constants {
+            let whole = |(at, _): (usize, &str)| !ours[at + constant.len()..].starts_with(is_digit);
+            assert!(ours.match_indices(constant).any(whole), "{constant} of tone.js is not in tone.rs");
+        }
+    }
+
     /// Grays become brighter with their light, and stay gray: the rows of each matrix add up to 1.
     #[test]
     fn grays_stay_gray_and_in_order() {

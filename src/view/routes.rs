@@ -50,6 +50,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
     ("/picture.js", "text/javascript; charset=utf-8", include_str!("page/picture.js")),
+    ("/tone.js", "text/javascript; charset=utf-8", include_str!("../image/tone.js")),
     ("/move.js", "text/javascript; charset=utf-8", include_str!("page/move.js")),
     ("/guide.js", "text/javascript; charset=utf-8", include_str!("page/guide.js")),
     ("/curve.js", "text/javascript; charset=utf-8", include_str!("page/curve.js")),

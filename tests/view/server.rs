@@ -59,7 +59,9 @@ fn reading_needs_the_token() {
         }
     }
     // No secret is in the page's files.
-    for file in ["/", "/page.js", "/picture.js", "/move.js", "/guide.js", "/curve.js", "/style.css", "/icon.svg"] {
+    for file in
+        ["/", "/page.js", "/picture.js", "/tone.js", "/move.js", "/guide.js", "/curve.js", "/style.css", "/icon.svg"]
+    {
         let (status, content) = program.ask(&format!("GET {file}"), &[&host]);
         assert!(status == 200 && !String::from_utf8_lossy(&content).contains(token), "{file}");
     }
