@@ -1,6 +1,7 @@
 //! Buffers that kernels read and write.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use ash::vk;
 use bytemuck::Pod;
@@ -128,6 +129,8 @@ pub struct Buffer {
     structure: Option<Structure>,
     kind: BufferKind,
     name: String,
+    /// Whether the buffer stands for zeros that its memory does not hold yet.
+    is_blank: AtomicBool,
     // Declared last, because view and structure must be destroyed first.
     backing: Backing,
 }
@@ -150,6 +153,38 @@ impl Buffer {
         let buffer = Self::uncleared(context, name, bytes, kind)?;
         context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
         Ok(Arc::new(buffer))
+    }
+
+    /// Makes a buffer of zeros, as [`Buffer::new`] does, but writes the zeros only when they are needed. The memory of a large film
+    /// whose render ends early is then never touched. Kernels may see the buffer after [`Buffer::write_zeros`].
+    ///
+    /// # Errors
+    /// Those of [`Buffer::new`].
+    ///
+    /// # Panics
+    /// Where the kind is one of acceleration structures.
+    pub(crate) fn blank(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
+        assert!(!kind.is_of_structures(), "`{name}` is made with an acceleration structure only");
+        let mut buffer = Self::uncleared(context, name, bytes, kind)?;
+        buffer.is_blank = AtomicBool::new(true);
+        Ok(Arc::new(buffer))
+    }
+
+    /// Whether the buffer stands for zeros that its memory does not hold yet.
+    pub(crate) fn is_blank(&self) -> bool {
+        self.is_blank.load(Ordering::Relaxed)
+    }
+
+    /// Writes the zeros of a [blank](Buffer::blank) buffer. Any other buffer keeps its values.
+    ///
+    /// # Errors
+    /// Where the device is lost or out of memory.
+    pub(crate) fn write_zeros(&self) -> Result<()> {
+        if self.is_blank() {
+            self.context().submit(&format!("clearing `{}`", self.name), |recorder| recorder.fill_zero(self))?;
+            self.is_blank.store(false, Ordering::Relaxed);
+        }
+        Ok(())
     }
 
     /// Makes a buffer of these values, followed by zeros where its size is rounded up.
@@ -192,7 +227,8 @@ impl Buffer {
         let bytes = bytes.max(1).checked_next_multiple_of(TEXEL_BYTES).unwrap_or(u64::MAX);
         check_size(context, name, bytes, kind)?;
         let backing = Backing::new(context, name, bytes, kind.usage(), kind.place())?;
-        let mut buffer = Self { view: vk::BufferView::null(), structure: None, kind, name: name.into(), backing };
+        let (view, is_blank) = (vk::BufferView::null(), AtomicBool::new(false));
+        let mut buffer = Self { view, structure: None, kind, name: name.into(), is_blank, backing };
         if let Some(format) = kind.texel_format() {
             buffer.create_view(format)?;
         }
@@ -238,6 +274,7 @@ impl Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(values);
         self.check_reachable();
         check_range(self.len_bytes(), offset_bytes, bytes.len() as u64);
+        self.write_zeros()?;
         if let Some(mapped) = self.backing.mapped() {
             return mapped.write(offset_bytes, bytes);
         }
@@ -256,6 +293,9 @@ impl Buffer {
         self.check_reachable();
         check_range(self.len_bytes(), offset_bytes, bytes);
         let mut values = vec![T::zeroed(); count];
+        if self.is_blank() {
+            return Ok(values);
+        }
         let bytes = bytemuck::cast_slice_mut(&mut values);
         match self.backing.mapped().filter(|_| self.backing.is_host_cached()) {
             Some(mapped) => mapped.read(offset_bytes, bytes)?,

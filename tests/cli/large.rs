@@ -2,6 +2,7 @@
 
 use lodestar::film::read_picture;
 use lodestar::image::color;
+use serde_json::Value;
 
 use crate::support::Folder;
 
@@ -12,7 +13,11 @@ const SIZE: [&str; 4] = ["--width", "2112", "--height", "2000"];
 
 /// Memory that a render takes besides the buffers on its device.
 fn besides(folder: &Folder, arguments: &[&str]) -> Option<f64> {
-    let stats = folder.render(arguments);
+    memory_besides(&folder.render(arguments))
+}
+
+/// Memory besides the buffers on the device, by the statistics of a render.
+fn memory_besides(stats: &Value) -> Option<f64> {
     let totals = &stats["totals"];
     Some(totals["peak_resident_bytes"].as_f64()? - totals["peak_bytes"].as_f64()?)
 }
@@ -37,6 +42,24 @@ fn a_large_picture_is_written_without_a_copy_of_it() {
     assert!(large.radiance[rows.clone()] == window.radiance && large.variance[rows.clone()] == window.variance);
     assert!(large.albedo()[rows.clone()] == *window.albedo() && large.depth()[rows] == *window.depth());
     assert_eq!((large.offset, large.full_size, large.view), ([0, 0], [2112, 2000], window.view));
+}
+
+/// Of a render that ends early, the film's memory is touched only where it has samples.
+#[test]
+fn memory_that_no_sample_reaches_is_not_touched() {
+    let folder = Folder::new();
+    let common = ["--sampler", "bsdf"];
+    let [width, height] = [2112, 4200];
+    let size = ["--width", "2112", "--height", "4200", "--time", "0.01", "-o", "large.png"];
+    let small = besides(&folder, &[&common[..], &["--spp", "1", "--width", "64", "--height", "64"]].concat());
+    // A warning tells of the pixels without a sample.
+    let output =
+        folder.run(&[&["render", "scene.xml", "--quiet", "--stats", "stats.json"], &common[..], &size].concat());
+    assert!(output.status.success(), "{output:?}");
+    if let (Some(small), Some(large)) = (small, memory_besides(&folder.read_json("stats.json"))) {
+        let film = PIXEL_BYTES * f64::from(width * height);
+        assert!(large < small - film / 4.0, "{small} and {large} bytes beside the buffers, {film} of the film");
+    }
 }
 
 #[test]

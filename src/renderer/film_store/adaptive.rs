@@ -64,13 +64,13 @@ impl Adaptive {
     /// Chooses anew which tiles are sampled. The choice depends on the film alone.
     pub fn judge(&mut self, context: &Arc<Context>, slicer: &Slicer, sets: &Sets) -> Result<()> {
         let pages = sets.frame.pages();
+        let sets_of_pages: Vec<_> = pages.iter().map(|page| sets.of_page(page)).collect::<Result<_>>()?;
         context.submit(self.kernel.name(), |recorder| {
-            for page in pages {
-                let sets = sets.of_page(page);
+            for (page, sets) in pages.iter().zip(&sets_of_pages) {
                 for range in slicer.ranges(0..page.tile_count()) {
                     let push = JudgePush { first_tile: range.start };
                     let groups = [range.end - range.start, 1, 1];
-                    recorder.dispatch(&self.kernel, &sets, bytemuck::bytes_of(&push), groups);
+                    recorder.dispatch(&self.kernel, sets, bytemuck::bytes_of(&push), groups);
                 }
             }
         })?;

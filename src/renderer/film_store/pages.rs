@@ -65,7 +65,7 @@ impl PageBuffers {
     fn new(context: &Arc<Context>, settings: &Settings, first_pixel: u32, pixel_count: u32) -> Result<Self> {
         let buffer_of = |name: &str, elements: u32, size: usize| {
             let bytes = u64::from(elements) * size as u64;
-            Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes, BufferKind::Storage)
+            Buffer::blank(context, &format!("{name} from pixel {first_pixel}"), bytes, BufferKind::Storage)
         };
         let buffer = |name, size| buffer_of(name, pixel_count, size);
         let quadruples = if settings.noise.is_some() { pixel_count / TILE_PIXELS + pixel_count } else { 1 };
@@ -169,8 +169,14 @@ impl FilmPage {
         self.adaptive.len_bytes() > size_of::<Quadruple>() as u64
     }
 
+    /// Set through which kernels see the page's buffers, which [`write_zeros`](Self::write_zeros) makes ready.
     pub fn set(&self) -> &DescriptorSet {
         &self.set
+    }
+
+    /// Writes the zeros of an empty film, where no kernel has seen the page yet.
+    pub fn write_zeros(&self) -> Result<()> {
+        [&self.radiance, &self.features, &self.adaptive].into_iter().try_for_each(|buffer| buffer.write_zeros())
     }
 
     pub fn radiance(&self) -> &Buffer {

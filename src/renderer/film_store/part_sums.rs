@@ -59,10 +59,8 @@ impl PartSums {
 /// Begins the film of a device anew.
 pub(crate) fn clear_film(context: &Arc<Context>, frame: &Frame) -> Result<()> {
     context.submit("clearing the film", |recorder| {
-        for page in frame.pages() {
-            recorder.fill_zero(page.radiance());
-            recorder.fill_zero(page.features());
-        }
+        let buffers = frame.pages().iter().flat_map(|page| [page.radiance(), page.features()]);
+        buffers.filter(|buffer| !buffer.is_blank()).for_each(|buffer| recorder.fill_zero(buffer));
     })?;
     Ok(())
 }

@@ -49,13 +49,18 @@ impl Sets {
         })
     }
 
-    /// The sets of a kernel that works on a film page, in the order of their numbers.
-    pub fn of_page<'a>(&'a self, page: &'a FilmPage) -> [&'a DescriptorSet; 4] {
-        [page.set(), self.bvh.set(), self.radiance_grid.set(), self.normalization_grid.set()]
+    /// The sets of a kernel that works on a film page, in the order of their numbers. An empty page gets its zeros.
+    pub fn of_page<'a>(&'a self, page: &'a FilmPage) -> Result<[&'a DescriptorSet; 4]> {
+        page.write_zeros()?;
+        Ok(self.beside(page))
     }
 
     /// The sets of a kernel that does not touch the film.
     pub fn without_film(&self) -> [&DescriptorSet; 4] {
-        self.of_page(self.frame.first_page())
+        self.beside(self.frame.first_page())
+    }
+
+    fn beside<'a>(&'a self, page: &'a FilmPage) -> [&'a DescriptorSet; 4] {
+        [page.set(), self.bvh.set(), self.radiance_grid.set(), self.normalization_grid.set()]
     }
 }

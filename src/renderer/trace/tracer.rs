@@ -48,7 +48,7 @@ impl Tracer {
         page: &FilmPage,
         slice: TracePush,
     ) -> Result<(Duration, Counts)> {
-        let (frame, sets) = (&sets.frame, sets.of_page(page));
+        let (frame, sets) = (&sets.frame, sets.of_page(page)?);
         let kernel = match self {
             Self::Megakernel(kernel) => kernel,
             Self::Wavefront(wavefront) => return wavefront.trace(context, frame, sets, slice),
