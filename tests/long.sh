@@ -17,10 +17,10 @@ cd "$(dirname "$0")/.."
 export LODESTAR_FULL=1
 
 # Parts in the order of their days. Parts of one kind do not follow each other, so that a week has many kinds.
-PARTS=(references-1 features-1 render-1 samplers kills features-2 python
-  render-2 claims features-3 agreement unoptimized faults features-4
-  references-2 pictures features-5 render-3 closed shaderc features-6
-  files page fuzz)
+PARTS=(references-1 features-1 render-1 features-2 samplers kills features-3 python
+  features-4 render-2 claims features-5 agreement unoptimized features-6 faults
+  features-7 references-2 pictures features-8 render-3 closed features-9 shaderc
+  forged features-10 torture page features-11 fuzz features-12)
 
 # Modules of tests/render in two parts. The third part has all others.
 RENDER_1=(analytic:: blue_noise:: cells:: choices:: determinism:: differences::)
@@ -82,7 +82,7 @@ run() { # PART
     references-[12]) share "${1#*-}" 2 references ;;
     # Small scenes in four ways each. The tables of deviations are written to target/.
     features) LODESTAR_FEATURES_TABLE="$PWD/target/features.md" suite features ;;
-    features-[1-6]) LODESTAR_FEATURES_TABLE="$PWD/target/$1.md" share "${1#*-}" 6 features ;;
+    features-[1-9] | features-1[0-2]) LODESTAR_FEATURES_TABLE="$PWD/target/$1.md" share "${1#*-}" 12 features ;;
     render-1) suite render -- "${RENDER_1[@]}" ;;
     render-2) suite render -- "${RENDER_2[@]}" ;;
     render-3) render_without "${RENDER_1[@]}" "${RENDER_2[@]}" "$AGREEMENT" "$CLOSED" ;;
@@ -102,8 +102,10 @@ run() { # PART
     kills) suite cli -- kills ;;
     # 120 device faults.
     faults) suite cli -- faults ;;
-    # Every operation on files fails or is the last one, and checkpoints of strangers.
-    files) suite cli -- torture forged ;;
+    # Every operation on files fails or is the last one.
+    torture) suite cli -- torture ;;
+    # Checkpoints of strangers.
+    forged) suite cli -- forged ;;
     # Ten minutes of each target of fuzz/.
     fuzz) tests/fuzz.sh ;;
     # 100 random scenes beside Mitsuba. It needs Mitsuba, so `all` and the days leave it out.
