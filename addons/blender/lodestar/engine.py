@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import tempfile
+import traceback
 from pathlib import Path
 from typing import Any, NamedTuple, Optional
 
@@ -100,8 +101,15 @@ class LodestarEngine(bpy.types.RenderEngine):
         try:
             self._render(depsgraph)
         except (Unsupported, OSError, ValueError) as fault:
-            self.report({"ERROR"}, f"Lodestar: {fault}")
-            self.error_set(f"Lodestar: {fault}")
+            self._fail(str(fault))
+        except Exception as fault:
+            # A fault of the add-on must end the render, not Blender.
+            traceback.print_exc()
+            self._fail(f"the export failed by a fault of the add-on, {type(fault).__name__}: {fault}")
+
+    def _fail(self, message: str) -> None:
+        self.report({"ERROR"}, f"Lodestar: {message}")
+        self.error_set(f"Lodestar: {message}")
 
     def _render(self, depsgraph: Any) -> None:
         settings, chosen = depsgraph.scene.lodestar, preferences()
@@ -110,6 +118,8 @@ class LodestarEngine(bpy.types.RenderEngine):
         exported = export.export(depsgraph, folder, properties.options(settings), self.frame_set)
         for warning in exported.report.warnings:
             self.report({"WARNING"}, f"Lodestar: {warning}")
+        for note in exported.report.notes:
+            self.report({"INFO"}, f"Lodestar: {note}")
         self._run(start(settings, chosen, exported.scene_file), exported, depsgraph)
 
     @staticmethod

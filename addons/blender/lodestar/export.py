@@ -327,11 +327,11 @@ class _Exporter:
         self.report.warn(f'light "{owner.name}"', message)
 
     def _report_light_through_surfaces(self) -> None:
-        points = [e for e in self.emitters if e.get("type") in ("point", "spot", "directional")]
-        if points and self.has_glass:
-            self.report.warn(
-                "scene", "light of suns, spots and lamps of radius 0 does not pass glass; give lamps a radius"
-            )
+        # In Cycles, too, a lamp without size is not found through glass. The parts of a lamp that has a size have weights.
+        weights = [float(child.get("value", "1")) for e in self.emitters for child in e if child.get("name") == "sampling_weight"]
+        if self.has_glass and any(weight < 1.0 for weight in weights):
+            message = "light of suns with an angle, and of lamps for which points stand, does not pass glass"
+            self.report.warn("scene", message)
 
 
 def _brighten(emitter: xml.Element, factor: float) -> None:

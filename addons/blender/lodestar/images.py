@@ -98,6 +98,11 @@ class Images:
             element = xml.with_children(scale, element)
         return element
 
+    def of_color(self, color: tuple[float, float, float], operation: str) -> xml.Element:
+        """`<texture>` of an image of one color, after an operation."""
+        path = self.written(apply(np.array([[[*color, 1.0]]], np.float32), (operation,)))
+        return xml.add(xml.add(xml.plugin("texture", "bitmap"), "filename", path), "raw", True)
+
     def _bitmap(self, texture: Texture) -> xml.Element:
         path, is_raw = self.file(texture.image, texture.operations)
         element = xml.add(xml.plugin("texture", "bitmap"), "filename", path)

@@ -56,6 +56,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     closure, volume = Closure(), None
     if output is not None:
         translator = _Translator(reader)
+        reader.heights = _displacement(reader, material, output.inputs["Displacement"])
         closure = translator.shader(output.inputs["Surface"], ())
         volume = volumes.translate(reader, output.inputs["Volume"], None)
         if volume is not None and reader.source(output.inputs["Surface"], ()) is None:
@@ -70,8 +71,6 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
                 closure.bsdf = covered
                 if volume is not None:
                     reader.warn("a volume below subsurface is not supported; it is left out")
-        if reader.source(output.inputs["Displacement"], ()) is not None:
-            reader.warn("displacement is not supported; it is left out")
     for kind, names in (("UV map", reader.uv_maps), ("color attribute", reader.color_attributes)):
         if len(names) > 1:
             reader.warn(f"more than one {kind} in a material is not supported; {min(names)} is used")
@@ -94,6 +93,32 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         volume,
         closure.below,
     )
+
+
+def _displacement(reader: Reader, material: Any, socket: Any) -> list[tuple[float, Texture]]:
+    """Heights of the relief that stands for a displacement. By Blender's default it is relief alone: Cycles moves no surface."""
+    source = reader.source(socket, ())
+    if source is None:
+        return []
+    if source.node is None or source.node.type != "DISPLACEMENT":
+        reader.warn("displacement by other nodes than Displacement is not supported; it is left out")
+        return []
+    node, groups = source.node, source.groups
+    scale, height = reader.constant(node.inputs["Scale"], groups), reader.scalar(node.inputs["Height"], groups)
+    if not isinstance(height, Texture) and (height - reader.constant(node.inputs["Midlevel"], groups)) * scale == 0.0:
+        return []
+    method = material.displacement_method if hasattr(material, "displacement_method") else material.cycles.displacement_method
+    if method != "BUMP":
+        reader.warn("displacement that moves the surface is not supported; it is rendered as relief")
+    if not isinstance(height, Texture) or height.attribute is not None or scale == 0.0:
+        return []
+    placed = reader.placed() if node.space == "OBJECT" else None
+    if placed is not None:
+        sides = [abs(side) for side in placed.matrix.to_scale()]
+        if max(sides) > 1.01 * min(sides):
+            reader.warn("displacement of an object that is scaled unevenly is scaled by the mean of its scales")
+        scale *= sum(sides) / 3.0
+    return [(scale, height)]
 
 
 def _whiten(element: xml.Element) -> None:
@@ -194,7 +219,9 @@ class _Translator:
             )
         scale = max(self.reader.constant(node.inputs["Scale"], groups), 0.0)
         radius = tuple(max(r, 0.0) * scale for r in self.reader.constant_color(node.inputs["Radius"], groups))
-        cosine, ior = (self.reader.constant(node.inputs[name], groups) for name in ("Anisotropy", "IOR"))
+        # A method hides the sockets that it has no use for.
+        sockets = (node.inputs.get("Anisotropy"), node.inputs.get("IOR"))
+        cosine, ior = (self.reader.constant(s, groups) if s is not None else other for s, other in zip(sockets, (0.0, 1.4)))
         if node.falloff == "BURLEY":
             self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
         below = subsurface.medium(color, radius, cosine, node.falloff, ior)  # type: ignore[arg-type]

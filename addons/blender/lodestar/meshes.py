@@ -142,9 +142,23 @@ def _is_closed(triangles: np.ndarray) -> bool:
 
 def _unique(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Different corners, and the index of each corner among them."""
-    rows = corners.view([("", np.void, corners.shape[1] * 4)]).ravel()
-    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
+    # Numbers sort several times faster than rows do.
+    _, first, inverse = np.unique(_hashes(corners), return_index=True, return_inverse=True)
+    bits = corners.view(np.uint32)
+    if not np.array_equal(bits[first][inverse], bits):
+        rows = corners.view([("", np.void, corners.shape[1] * 4)]).ravel()
+        _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
     return corners[first], inverse.reshape(-1, 3).astype("<i4")
+
+
+def _hashes(corners: np.ndarray) -> np.ndarray:
+    """A number of 64 bits for the bits of each corner."""
+    hashes = np.zeros(len(corners), np.uint64)
+    for column in corners.view(np.uint32).T:
+        hashes ^= column
+        hashes *= np.uint64(0x9E3779B97F4A7C15)
+        hashes ^= hashes >> np.uint64(29)
+    return hashes
 
 
 def ply(names: list[str], vertices: np.ndarray, triangles: np.ndarray) -> bytes:

@@ -57,6 +57,8 @@ class Reader:
     color_attributes: set[str] = field(default_factory=set)
     surroundings: Surroundings = field(default_factory=Surroundings)
     material_index: int = 0
+    # Heights of the material's displacement that are rendered as relief, with their factors.
+    heights: list[tuple[float, Texture]] = field(default_factory=list)
     # Whether a node has asked for the object.
     asks_for_object: bool = False
 
@@ -247,7 +249,7 @@ class Reader:
             return True
         if image.source not in ("FILE", "GENERATED") or image.has_data or len(image.pixels) > 0:
             return False
-        self.warn(f'the image "{image.name}" cannot be loaded; it is magenta, as in Cycles')
+        self.report.note(self.place, f'the image "{image.name}" cannot be loaded; it is magenta, as in Cycles')
         return True
 
     def plain_image(self, node: Any, channel: str) -> Optional[Texture]:

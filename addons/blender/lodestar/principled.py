@@ -94,7 +94,8 @@ class _Principled:
             )
         scale = max(self._constant("Subsurface Scale"), 0.0)
         radius = tuple(max(r, 0.0) * scale for r in self.reader.constant_color(self.node.inputs["Subsurface Radius"], self.groups))
-        cosine = self._constant("Subsurface Anisotropy")
+        # Christensen and Burley's method has no anisotropy.
+        cosine = self._constant("Subsurface Anisotropy") if method != "BURLEY" else 0.0
         ior = self._constant("Subsurface IOR") if method == "RANDOM_WALK_SKIN" else self.ior
         return subsurface.medium(color, radius, cosine, method, ior)  # type: ignore[arg-type]
 
@@ -225,17 +226,19 @@ class _Principled:
 
 
 def relief(reader: Reader, bsdf: xml.Element, socket: Any, groups: Groups) -> xml.Element:
-    """BSDF with the bump or normal map that a Normal socket is linked to."""
+    """BSDF with the bump or normal map that a Normal socket is linked to, and with the relief of the material's displacement."""
     source = reader.source(socket, groups)
     if source is None or source.node is None:
-        return bsdf
+        return _bumped(reader, bsdf, reader.heights)
     node, groups = source.node, source.groups
     if node.type == "NORMAL_MAP":
+        if reader.heights:
+            reader.warn("displacement below a normal map is not supported; the normal map alone is rendered")
         return _normal_map(reader, bsdf, node, groups)
     if node.type == "BUMP":
-        return _bump(reader, bsdf, node, groups)
+        return _bumped(reader, bsdf, _heights(reader, node, groups) + reader.heights)
     reader.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; the surface keeps its normals')
-    return bsdf
+    return _bumped(reader, bsdf, reader.heights)
 
 
 def _normal_map(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
@@ -246,19 +249,21 @@ def _normal_map(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) ->
     if isinstance(texture, Texture) and texture.program is not None:
         reader.warn("a normal map that is computed is not supported; the surface keeps its normals")
         return bsdf
-    if not isinstance(texture, Texture) or texture.image is None:
+    if isinstance(texture, Texture) and texture.image is None:
         return bsdf
     if node.uv_map:
         reader.uv_maps.add(node.uv_map)
     strength = reader.constant(node.inputs["Strength"], groups)
-    if strength != 1.0:
-        texture = texture.with_operation(f"normal {strength}")
-    element = xml.add(xml.plugin("bsdf", "normalmap"), "normalmap", reader.images.element(texture))
-    return xml.with_children(element, bsdf)
+    if not isinstance(texture, Texture):
+        # Such as the magenta of a missing image.
+        found = reader.images.of_color(texture, f"normal {strength}")
+    else:
+        found = reader.images.element(texture.with_operation(f"normal {strength}") if strength != 1.0 else texture)
+    return xml.with_children(xml.add(xml.plugin("bsdf", "normalmap"), "normalmap", found), bsdf)
 
 
-def _bump(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
-    heights = _heights(reader, node, groups)
+def _bumped(reader: Reader, bsdf: xml.Element, heights: list[tuple[float, Texture]]) -> xml.Element:
+    """BSDF with the relief of the sum of some heights times their factors."""
     if not heights:
         return bsdf
     if len(heights) == 1:

@@ -1,17 +1,27 @@
-"""Report: what the export could not translate, each thing once, with the place where it stands."""
+"""Report: what the export could not translate, and what is wrong with the file, each thing once, with the place where it stands."""
 
 from __future__ import annotations
 
 
 class Report:
-    """Warnings of one export, in the order of their first appearance."""
+    """Warnings and notes of one export, in the order of their first appearance. What a note tells is rendered as in Cycles."""
 
     def __init__(self) -> None:
         self._warnings: dict[str, None] = {}
+        self._notes: dict[str, None] = {}
 
     def warn(self, place: str, message: str) -> None:
         """Adds a warning about `place`, such as ``material "Wood"``."""
         self._warnings.setdefault(f"{place}: {message}")
+
+    def note(self, place: str, message: str) -> None:
+        """Adds a note about `place`."""
+        self._notes.setdefault(f"{place}: {message}")
+
+    @property
+    def notes(self) -> list[str]:
+        """All notes."""
+        return list(self._notes)
 
     @property
     def warnings(self) -> list[str]:

@@ -294,3 +294,15 @@ def test_stopping_keeps_the_picture(tmp_path: Path) -> None:
 def test_missing_program() -> None:
     with pytest.raises(FileNotFoundError, match="preferences"):
         process.find("/nowhere/lodestar")
+
+
+def test_a_fault_of_the_add_on_ends_the_render_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An exception that nobody expects is an error of the render, with its kind."""
+    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+
+    def fail(*arguments: Any) -> Any:
+        raise KeyError("socket")
+
+    monkeypatch.setattr(engine.export, "export", fail)
+    with pytest.raises(RuntimeError, match="fault of the add-on, KeyError: 'socket'"):
+        support.render(scene, "LODESTAR", 1)

@@ -285,6 +285,43 @@ def spot_with_radius() -> Any:
     return scene
 
 
+def displaced() -> Any:
+    """Displacement as relief, of an object that is scaled, alone and over a bump map; and a normal map whose image is missing."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -0.1, 7), (0, 0, 0))
+    v, u = np.mgrid[0:64, 0:64] / 64.0 * 2.0 * math.pi
+    waves = [scenes.image(name, np.repeat((0.5 + 0.5 * np.sin(3 * t))[:, :, None], 3, axis=2), "Non-Color", True) for name, t in (("u", u), ("v", v))]
+
+    def surface(name: str, is_displaced: bool, relief: str) -> Any:
+        made = scenes.simple(name, "ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8))
+        tree = made.node_tree
+        shader, output = (next(n for n in tree.nodes if n.type == kind) for kind in ("BSDF_DIFFUSE", "OUTPUT_MATERIAL"))
+        textures = [tree.nodes.new("ShaderNodeTexImage") for _ in waves]
+        for texture, wave in zip(textures, waves):
+            texture.image = wave
+        if is_displaced:
+            node = tree.nodes.new("ShaderNodeDisplacement")
+            node.inputs["Scale"].default_value = 0.06
+            tree.links.new(textures[0].outputs["Color"], node.inputs["Height"])
+            tree.links.new(node.outputs[0], output.inputs["Displacement"])
+        if relief == "bump":
+            node = tree.nodes.new("ShaderNodeBump")
+            node.inputs["Distance"].default_value = 0.05
+            tree.links.new(textures[1].outputs["Color"], node.inputs["Height"])
+            tree.links.new(node.outputs[0], shader.inputs["Normal"])
+        if relief == "missing":
+            node = tree.nodes.new("ShaderNodeNormalMap")
+            tree.links.new(tree.nodes.new("ShaderNodeTexImage").outputs["Color"], node.inputs["Color"])
+            tree.links.new(node.outputs[0], shader.inputs["Normal"])
+        return made
+
+    for at, (is_displaced, relief) in enumerate(((True, ""), (True, "bump"), (False, "missing"))):
+        scenes.plane(scene, f"square {at}", 1, surface(f"{at}", is_displaced, relief), location=(1.6 * at - 1.6, 0, 0), scale=(1.5, 1.5, 1.5))
+    lamp(scene, "SUN", 3.0, rotation=(0.3, -0.8, 0.0), angle=0.0)
+    return scene
+
+
 # Scene, largest deviation of a block mean, and of the whole mean; `no_material` has Disney's diffuse base (docs/blender.md).
 ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (portal, 0.03, 0.01),
@@ -310,6 +347,7 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (soft_lamp_in_mirrors, 0.03, 0.01),
     (lamp_without_mis, 0.03, 0.01),
     (spot_with_radius, 0.03, 0.01),
+    (displaced, 0.03, 0.01),
 ]
 if "normalize" in bpy.types.Light.bl_rna.properties:
     ROWS.append((unnormalized_lamps, 0.03, 0.01))
@@ -415,7 +453,6 @@ def ashikhmin(scene: Any) -> None:
         (transparent_glass, "scene: transparent glass"),
         (held_out, 'collection "masks": a holdout'),
         (indirect, 'collection "sources": Indirect Only'),
-        (lost_world, 'world "world": the image "gone" cannot be loaded; it is magenta, as in Cycles'),
         (fitted_sky, 'world "world": the sky of Hosek and Wilkie is their fit for sRGB'),
         (ashikhmin, 'material "grained": facets of Ashikhmin and Shirley'),
     ],
@@ -428,6 +465,34 @@ def test_what_is_not_rendered_is_named(tmp_path: Path, change: Callable[[Any], N
     change(scene)
     warnings = exported(tmp_path).report.warnings
     assert len(warnings) == 1 and warnings[0].startswith(text), warnings
+
+
+def test_missing_images_are_noted(tmp_path: Path) -> None:
+    """A missing image looks as in Cycles, so it is no warning."""
+    scene = base()
+    assert exported(tmp_path).report.notes == []
+    lost_world(scene)
+    report = exported(tmp_path).report
+    assert report.warnings == []
+    assert report.notes == ['world "world": the image "gone" cannot be loaded; it is magenta, as in Cycles']
+
+
+@pytest.mark.parametrize(
+    "kind,settings,has_warning",
+    [
+        ("POINT", dict(shadow_soft_size=0.0), False),
+        ("SPOT", dict(shadow_soft_size=0.0), False),
+        ("SUN", dict(angle=0.0), False),
+        ("SUN", dict(angle=0.01), True),
+        ("SPOT", dict(shadow_soft_size=0.2, use_soft_falloff=False), True),
+    ],
+)
+def test_lamps_behind_glass(tmp_path: Path, kind: str, settings: Any, has_warning: bool) -> None:
+    """Neither Cycles nor Lodestar finds a lamp without size through glass; Cycles finds one with a size."""
+    scene = base()
+    scene.objects["ball"].data.materials[0] = scenes.simple("glass", "ShaderNodeBsdfGlass", Roughness=0.0)
+    lamp(scene, kind, 10.0, **settings)
+    assert any("does not pass glass" in warning for warning in exported(tmp_path).report.warnings) == has_warning
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,18 @@ def test_what_is_not_supported_is_reported(tmp_path: Path) -> None:
     assert "subsurface is a medium of the albedo 0.9" in report
 
 
+@pytest.mark.parametrize("kind,name", [("ShaderNodeBsdfPrincipled", "subsurface_method"), ("ShaderNodeSubsurfaceScattering", "falloff")])
+def test_sockets_that_a_method_hides_are_not_read(tmp_path: Path, kind: str, name: str) -> None:
+    """Christensen and Burley's method has no anisotropy, and the export of it ends with a medium."""
+    scene = volume_scenes.stage()
+    made = scenes.simple("skin", kind, **({"Subsurface_Weight": 1.0} if name == "subsurface_method" else {}))
+    setattr(next(n for n in made.node_tree.nodes if hasattr(n, name)), name, "BURLEY")
+    scenes.ball(scene, "ball", 0.5, made)
+    root, warnings = exported(tmp_path)
+    assert any("Burley's subsurface is rendered as a random walk" in warning for warning in warnings)
+    assert root.find("medium") is not None
+
+
 def test_phase_functions() -> None:
     """Mean cosines are those of numeric integrals, and the shares that are scattered backwards those that are asked for."""
     cosines = np.linspace(-1.0, 1.0, 200_001)
