@@ -74,7 +74,8 @@ class _Exporter:
         self.emitters: list[xml.Element] = []
         # Lamps in view that the camera should not see, with their courses and emitters.
         self.visible_lamps: list[tuple[Any, xml.Course, list[xml.Element]]] = []
-        self.soft_lamps: list[falloff.SoftLamp] = []
+        # Lamps for which points stand, with those points and the disks that may take their place.
+        self.soft_lamps: list[tuple[falloff.SoftLamp, list[xml.Element], list[xml.Element]]] = []
         self.surfaces_emit = self.has_glass = False
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera
@@ -98,6 +99,8 @@ class _Exporter:
         around = self.enclosures.at(self.camera.matrix_world.translation, self.camera.name)
         if around is not None:
             xml.with_children(sensor, xml.ElementTree.Element("ref", {"id": around}))
+        definitions = [self._definition(name) for name in self.materials]
+        self._soften_lamps(definitions)
         hides = self._hides_emitters(scene, environment)
         media = self.enclosures.elements
         integrator = xml.add(xml.plugin("integrator", "volpath" if media else "path"), "max_depth", self.options.max_depth)
@@ -106,7 +109,6 @@ class _Exporter:
         if hides:
             xml.add(integrator, "hide_emitters", True)
         root = xml.ElementTree.Element("scene", {"version": "3.0.0"})
-        definitions = [self._definition(name) for name in self.materials]
         definitions = [*self.images.graph.elements(self.images.used_programs), *definitions]
         xml.with_children(root, *media, integrator, sensor, *definitions, *self.shapes.elements(), *self.emitters)
         if environment is not None:
@@ -116,8 +118,6 @@ class _Exporter:
             for element in (*root.iter("emitter"), *root.iter("medium")):
                 _brighten(element, exposure)
         self._report_light_through_surfaces()
-        for name, radii in falloff.near_surfaces(self.soft_lamps, self.depsgraph.object_instances).items():
-            self.report.warn(f'light "{name}"', falloff.warning(radii))
         path = self.folder / SCENE_FILE
         with path.open("w", encoding="utf-8") as file:
             head, end, rest = xml.text_of(root).rpartition("</scene>")
@@ -144,7 +144,7 @@ class _Exporter:
             self._volume(owner, instance.matrix_world.copy())
         elif owner.type not in INVISIBLE and owner.type not in ("MESH", "VOLUME"):
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
-        if any(system.settings.type == "HAIR" for system in getattr(owner, "particle_systems", [])):
+        if any(_shows_strands(system.settings) for system in getattr(owner, "particle_systems", [])):
             self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
 
     def _course(self, instance: Any) -> xml.Course:
@@ -162,13 +162,24 @@ class _Exporter:
         self.emitters.extend(emitters)
         soft = falloff.soft_lamp(owner, course.matrix.translation)
         if soft is not None and emitters:
-            self.soft_lamps.append(soft)
+            self.soft_lamps.append((soft, emitters, lights.disks(owner.data, course, owner.name, self.report)))
         # A disk that faces what it lights says itself whether the camera sees it.
         has_surface = any(emitter.tag == "shape" for emitter in emitters)
         if has_surface and not owner.visible_camera and not lights.is_facing(owner.data):
             if self._is_in_view(owner.data, course.matrix):
                 self.visible_lamps.append((owner, course, emitters))
         self.surfaces_emit |= owner.visible_camera and has_surface
+
+    def _soften_lamps(self, definitions: list[xml.Element]) -> None:
+        """Replaces the points of lamps by disks, where a surface is so near that the soft falloff shows, and no mirror would show the disks."""
+        lamps = [lamp for lamp, _, _ in self.soft_lamps]
+        near = falloff.near_surfaces(lamps, self.depsgraph.object_instances)
+        has_mirror = bool(near) and any(falloff.is_mirror(bsdf) for each in definitions for bsdf in each.iter("bsdf"))
+        for lamp, points, disks in self.soft_lamps:
+            if lamp.name in near and has_mirror:
+                self.report.warn(f'light "{lamp.name}"', falloff.warning(near[lamp.name]))
+            elif lamp.name in near:
+                self.emitters = [each for each in self.emitters if each not in points] + disks
 
     def _is_in_view(self, light: Any, matrix: Any) -> bool:
         """Whether a lamp with a surface may be in the picture, if nothing hides it."""
@@ -332,6 +343,11 @@ class _Exporter:
         if self.has_glass and any(weight < 1.0 for weight in weights):
             message = "light of suns with an angle, and of lamps for which points stand, does not pass glass"
             self.report.warn("scene", message)
+
+
+def _shows_strands(settings: Any) -> bool:
+    """Whether a particle system is rendered as strands. Of one that is rendered as objects, the objects are instances."""
+    return settings.type == "HAIR" and settings.render_type == "PATH"
 
 
 def _brighten(emitter: xml.Element, factor: float) -> None:

@@ -1,7 +1,8 @@
 """Falloff: surfaces so near to a lamp of points that its soft falloff would show.
 
-Points stand for a lamp with a radius but without Multiple Importance. Cycles takes it for a disk that faces each lit point. At a distance
-d, a disk of the radius r gives 1 / (1 + (r / d)^2) of the points' light.
+Points stand for a lamp with a radius but without Multiple Importance, because mirrors must not show it. Cycles takes it for a disk that faces
+each lit point. At a distance d, a disk of the radius r gives 1 / (1 + (r / d)^2) of the points' light. So a disk stands for the lamp where
+surfaces are near and there are no mirrors: all other surfaces get the same light, whether their rays may meet the lamp or not.
 """
 
 from __future__ import annotations
@@ -9,10 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple, Optional
 
-from . import lights
+from . import lights, xml
 
 # Distance in radii beyond which the two differ by less than 1/17.
 REACH = 4.0
+
+
+# BSDFs that scatter into single directions. Those of `thindielectric` and `null`, as they are exported, go straight on.
+MIRRORS = {"conductor", "dielectric", "plastic", "coating"}
 
 
 class SoftLamp(NamedTuple):
@@ -28,6 +33,11 @@ def soft_lamp(owner: Any, center: Any) -> Optional[SoftLamp]:
     light = owner.data
     of_points = lights.is_soft(light) and not lights.is_facing(light)
     return SoftLamp(owner.name, center.copy(), light.shadow_soft_size) if of_points else None
+
+
+def is_mirror(bsdf: xml.Element) -> bool:
+    """Whether a BSDF shows lamps as a mirror does."""
+    return bsdf.get("type") in MIRRORS
 
 
 def near_surfaces(lamps: list[SoftLamp], instances: Iterable[Any]) -> dict[str, float]:

@@ -32,7 +32,7 @@ class Texture:
 
     image: Any = None
     # "color" or "alpha", then functions: "covered" (times alpha), "premultiplied" (times alpha
-    # before the sRGB curve is undone), "r", "g", "b", "invert", "square", "sqrt", "normal STRENGTH", "environment".
+    # before the sRGB curve is undone), "r", "g", "b", "luminance", "invert", "square", "sqrt", "normal STRENGTH", "environment".
     operations: tuple[str, ...] = ("color",)
     to_uv: Matrix3 = IDENTITY
     wrap: str = "repeat"
@@ -187,6 +187,8 @@ def apply(data: np.ndarray, operations: tuple[str, ...]) -> np.ndarray:
         elif operation in ("r", "g", "b"):
             at = "rgb".index(operation)
             colors = np.repeat(colors[:, :, at : at + 1], 3, axis=2)
+        elif operation == "luminance":
+            colors = np.repeat(colors @ np.array([[0.2126], [0.7152], [0.0722]], np.float32), 3, axis=2)
         elif operation == "invert":
             colors = 1.0 - colors
         elif operation == "square":

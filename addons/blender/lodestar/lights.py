@@ -25,8 +25,8 @@ def export(light: Any, course: xml.Course, name: str, report: Report, visible: b
     place = f'light "{name}"'
     _report_unsupported(light, place, report)
     power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
-    color = tuple(a * b for a, b in zip(color_of(light), _shaded(light, place, report)))
-    tinted = lambda value: tuple(channel * value for channel in color)  # noqa: E731
+    tinted = _tinted(light, place, report)
+    color = tinted(1.0)
     if power == 0.0 or max(color) == 0.0:
         return []
     if power < 0.0 or min(color) < 0.0:
@@ -47,6 +47,19 @@ def export(light: Any, course: xml.Course, name: str, report: Report, visible: b
     if light.type == "SPOT":
         return _spots(light, course.matrix, power, tinted, place, report)
     return [_point(course.matrix, power, tinted)]
+
+
+def disks(light: Any, course: xml.Course, name: str, report: Report) -> list[xml.Element]:
+    """Disk that faces what it lights, and that the camera does not see, for a lamp without Multiple Importance."""
+    tinted = _tinted(light, f'light "{name}"', report)
+    power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
+    return _facing_disk(light, course, power, tinted, False, f'light "{name}"', report)
+
+
+def _tinted(light: Any, place: str, report: Report) -> Any:
+    """Function that gives a lamp's color to a number."""
+    color = tuple(a * b for a, b in zip(color_of(light), _shaded(light, place, report)))
+    return lambda value: tuple(channel * value for channel in color)
 
 
 _STANDS = "the motion of suns, spots and lamps of radius 0 is not supported; it stands still"

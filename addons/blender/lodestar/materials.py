@@ -189,6 +189,9 @@ class _Translator:
         source = self.reader.source(socket, groups)
         if source is None or source.node is None:
             return Closure()
+        if source.socket.type != "SHADER":
+            # As in Cycles, a value in the place of a shader is emitted.
+            return Closure(None, self._emitted(socket, groups))
         handler = self.handlers.get(source.node.type)
         return handler(source.node, source.groups) if handler else self._unknown(source.node, source.groups)
 
@@ -199,10 +202,10 @@ class _Translator:
 
     def _principled(self, node: Any, groups: Groups) -> Closure:
         bsdf, below = principled.translate(self.reader, node, groups, self.has_subsurface)
-        strength = self.reader.constant(node.inputs["Emission Strength"], groups)
         emission = None
-        if strength > 0.0:
-            emission = _scaled(self._emitted(node.inputs["Emission Color"], groups), strength)
+        strength = self.reader.scalar(node.inputs["Emission Strength"], groups)
+        if isinstance(strength, Texture) or strength > 0.0:
+            emission = self._of_strength(self._emitted(node.inputs["Emission Color"], groups), node.inputs["Emission Strength"], groups)
             emission = self._covered(emission, self.reader.scalar(node.inputs["Alpha"], groups))
         return Closure(bsdf, emission, below)
 
@@ -240,6 +243,9 @@ class _Translator:
         """Color of emitted light."""
         color = self.reader.color(socket, groups)
         if isinstance(color, Texture) and color.program is not None:
+            if not hasattr(socket, "default_value"):
+                self.reader.warn("a computed color in the place of a shader is not supported; the surface is black")
+                return BLACK
             self.reader.warn(f"a computed {socket.name} of emitted light is not supported; its default value is used")
             return tuple(socket.default_value)[:3]  # type: ignore[return-value]
         return color
@@ -255,8 +261,7 @@ class _Translator:
             return emission
         if not isinstance(emission, Texture):
             return alpha.scaled(emission)
-        is_same = replace(alpha, operations=(), factor=(1.0, 1.0, 1.0)) == replace(emission, operations=(), factor=(1.0, 1.0, 1.0))
-        if is_same and alpha.operations == ("alpha",):
+        if _is_alpha_of(alpha, emission):
             return emission.covered()
         self.reader.warn("an emission by one texture under an alpha by another is not supported; the holes shine")
         return emission
@@ -340,7 +345,14 @@ class _Translator:
 
     def _emission(self, node: Any, groups: Groups) -> Closure:
         color = self._emitted(node.inputs["Color"], groups)
-        return Closure(None, _scaled(color, self.reader.constant(node.inputs["Strength"], groups)))
+        return Closure(None, self._of_strength(color, node.inputs["Strength"], groups))
+
+    def _of_strength(self, color: Union[Color, Texture], socket: Any, groups: Groups) -> Emission:
+        """Emission of a color times a strength, of which one may be an image."""
+        strength = self.reader.scalar(socket, groups)
+        if isinstance(strength, Texture) and strength.image is not None and not isinstance(color, Texture):
+            return strength.with_operation("luminance").scaled(color)
+        return _scaled(color, self.reader.constant(socket, groups))
 
     def _mix(self, node: Any, groups: Groups) -> Closure:
         weight = self.reader.scalar(node.inputs[0], groups)
@@ -352,14 +364,24 @@ class _Translator:
             parts = [part.bsdf if part.bsdf is not None else diffuse(self.images, BLACK) for part in (first, second)]
             bsdf = blend(self.images, weight, *parts)
         below = self._below(first, second, weight)
-        share = weight
-        if isinstance(weight, Texture) and (first.emission or second.emission):
-            share = float(node.inputs[0].default_value)
-            self.reader.warn("emission mixed by a texture is not supported; it is mixed by the factor's default value")
-        if isinstance(share, Texture):
-            return Closure(bsdf, None, below)
-        emissions = _scaled(first.emission, 1.0 - share), _scaled(second.emission, share)
-        return Closure(bsdf, self._sum(*emissions), below)
+        if not isinstance(weight, Texture):
+            return Closure(bsdf, self._sum(_scaled(first.emission, 1.0 - weight), _scaled(second.emission, weight)), below)
+        return Closure(bsdf, self._emission_by_texture(weight, first.emission, second.emission, node), below)
+
+    def _emission_by_texture(self, weight: Texture, first: Emission, second: Emission, node: Any) -> Emission:
+        """Emission of a mixture by a texture, which is the share of the second part."""
+        first, second = (None if part == BLACK else part for part in (first, second))
+        if first is None and second is None:
+            return None
+        is_one_image = weight.image is not None and (first is None or second is None)
+        if first is None and isinstance(second, Texture) and _is_alpha_of(weight, second):
+            return second.covered()
+        if is_one_image and not isinstance(first, Texture) and not isinstance(second, Texture):
+            number = weight.with_operation("luminance")
+            return number.scaled(second) if second is not None else number.with_operation("invert").scaled(first)  # type: ignore[arg-type]
+        share = float(node.inputs[0].default_value)
+        self.reader.warn("emission mixed by a texture is not supported; it is mixed by the factor's default value")
+        return self._sum(_scaled(first, 1.0 - share), _scaled(second, share))
 
     def _below(self, first: Closure, second: Closure, weight: Union[float, Texture]) -> Optional[Volume]:
         """Medium below a mixture, of which `weight` is the share of the second part."""
@@ -389,6 +411,12 @@ class _Translator:
     def relief(self, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
         """BSDF with the bump or normal map of a node's Normal socket."""
         return principled.relief(self.reader, bsdf, node.inputs["Normal"], groups)
+
+
+def _is_alpha_of(alpha: Texture, colors: Texture) -> bool:
+    """Whether two textures are the alpha and the colors of one image."""
+    plain = [replace(texture, operations=(), factor=(1.0, 1.0, 1.0)) for texture in (alpha, colors)]
+    return alpha.operations == ("alpha",) and plain[0] == plain[1]
 
 
 def _scaled(emission: Emission, factor: float) -> Emission:

@@ -120,6 +120,43 @@ def emission_under_texture() -> Any:
     return from_above(lambda: textured("ShaderNodeBsdfPrincipled", *links, **sockets))
 
 
+def values_as_shaders() -> Any:
+    """A color and a number in the place of a shader: Cycles emits them."""
+    scene = from_above(lambda: scenes.material("color", lambda tree: _with_default(tree.nodes.new("ShaderNodeRGB"), (0.9, 0.4, 0.1, 1.0))))
+    number = scenes.material("number", lambda tree: _with_default(tree.nodes.new("ShaderNodeValue"), 1.7))
+    scenes.plane(scene, "number", 1, number, location=(0, 0, 0.1))
+    return scene
+
+
+def _with_default(node: Any, value: Any) -> Any:
+    node.outputs[0].default_value = value
+    return node.outputs[0]
+
+
+def emission_by_image() -> Any:
+    """Emission that an image mixes with a surface, from both sides of the Mix Shader, by the image's own alpha, and a strength that is an image."""
+
+    def build(kind: str) -> Any:
+        def surface(tree: Any) -> Any:
+            node = tree.nodes.new("ShaderNodeTexImage")
+            node.image, node.interpolation = half_clear(), "Closest"
+            out = node.outputs
+            if kind == "strength":
+                return scenes.shader(tree, "ShaderNodeEmission", Color=(1.0, 0.5, 0.3), Strength=out["Color"]).outputs[0]
+            light = scenes.shader(tree, "ShaderNodeEmission", Color=out["Color"] if kind == "own" else (1.0, 0.5, 0.3), Strength=2.0)
+            parts = [light, scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.3, 0.3, 0.3))]
+            made = scenes.mixed(tree, *(parts if kind == "first" else reversed(parts)))
+            tree.links.new(out["Alpha"] if kind == "own" else out["Color"], made.node.inputs[0])
+            return made
+
+        return scenes.material(kind, surface)
+
+    scene = from_above(lambda: build("first"))
+    for at, kind in enumerate(("second", "own", "strength")):
+        scenes.plane(scene, kind, 1, build(kind), location=(0.6 * at - 0.6, 0.4 * at - 0.4, 0.05 + 0.05 * at))
+    return scene
+
+
 def second_colors() -> Any:
     """A mesh with two color attributes, of which renders show the second."""
 
@@ -278,6 +315,14 @@ def lamp_without_mis() -> Any:
     return scene
 
 
+def soft_lamps_without_mis() -> Any:
+    """Lamps with soft falloff and without Multiple Importance, next to ground and ball."""
+    scene = soft_lamps()
+    for each in bpy.data.lights:
+        each.cycles.use_multiple_importance_sampling = False
+    return scene
+
+
 def spot_with_radius() -> Any:
     """A spot whose shadow is soft, and whose cone is wider than the picture."""
     scene = base(None)
@@ -346,7 +391,10 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (soft_lamps, 0.03, 0.01),
     (soft_lamp_in_mirrors, 0.03, 0.01),
     (lamp_without_mis, 0.03, 0.01),
+    (soft_lamps_without_mis, 0.03, 0.01),
     (spot_with_radius, 0.03, 0.01),
+    (values_as_shaders, 0.03, 0.01),
+    (emission_by_image, 0.03, 0.01),
     (displaced, 0.03, 0.01),
 ]
 if "normalize" in bpy.types.Light.bl_rna.properties:
@@ -513,6 +561,10 @@ def test_soft_falloff_is_named_where_it_shows(tmp_path: Path, height: float, set
     assert exported(tmp_path).report.warnings == []
     light.cycles.use_multiple_importance_sampling = False
     light.update_tag()
+    # Where nothing is a mirror, a disk stands for the lamp.
+    assert exported(tmp_path).report.warnings == []
+    mirror = scenes.simple("mirror", "ShaderNodeBsdfGlossy", Roughness=0.0)
+    scenes.plane(scene, "mirror", 0.1, mirror, location=(5, 5, 0))
     warnings = exported(tmp_path).report.warnings
     assert warnings == ([f'light "lamp": {text}'] if text is not None else [])
 
@@ -528,6 +580,7 @@ def test_soft_falloff_has_the_figure_of_its_warning() -> None:
     ours, theirs = (support.colors(support.render(scene, engine, 256)) for engine in ("LODESTAR", "CYCLES"))
     light.cycles.use_multiple_importance_sampling = False
     light.update_tag()
+    scenes.plane(scene, "mirror", 0.1, scenes.simple("mirror", "ShaderNodeBsdfGlossy", Roughness=0.0), location=(3.9, 3.9, 0.01))
     points = support.colors(support.render(scene, "LODESTAR", 256))
     # Irradiance of the points, over that of one point in the middle.
     places = [(radius * x, radius * y, 1.0 + radius * z) for x, y, z in units.ball_points(lights.BALL_PARTS)]
