@@ -44,7 +44,7 @@ fn a_large_picture_is_written_without_a_copy_of_it() {
     assert_eq!((large.offset, large.full_size, large.view), ([0, 0], [2112, 2000], window.view));
 }
 
-/// Of a render that ends early, the film's memory is touched only where it has samples.
+/// A render that ends early touches the film's memory only where it has samples.
 #[test]
 fn memory_that_no_sample_reaches_is_not_touched() {
     let folder = Folder::new();
