@@ -1,11 +1,12 @@
 //! Files of color alone, for other programs: PNG, JPEG and TIFF for screens, and Radiance HDR with linear values.
 
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use ::image::codecs::hdr::HdrEncoder;
 use ::image::codecs::jpeg::JpegEncoder;
 use ::image::codecs::png::PngEncoder;
+use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
 use super::{Image, ToneCurve};
@@ -25,8 +26,8 @@ const ENDINGS: [(&str, Format); 6] = [
 const JPEG_QUALITY: u8 = 95;
 /// Most pixels of a side of a JPEG file.
 const LONGEST_JPEG: u32 = 65_535;
-/// Bytes of a TIFF file before its pixels.
-const TIFF_HEAD: u32 = 8 + 2 + 12 * 13 + 4 + 6 + 8;
+/// Most bytes of a TIFF file beside its pixels, if they are few strips.
+const TIFF_HEAD: u32 = 1 << 16;
 /// Largest value of an HDR file. Its exponents end at 2^127.
 const LARGEST_HDR: f32 = 1.0e38;
 
@@ -109,7 +110,7 @@ impl Canvas {
                 self.bytes.extend(pixels.iter().flat_map(|pixel| show(pixel).map(|value| level(value, 255.0) as u8)));
             }
             Format::Tiff => {
-                let level = |value| (level(value, 65_535.0) as u16).to_le_bytes();
+                let level = |value| (level(value, 65_535.0) as u16).to_ne_bytes();
                 self.bytes.extend(pixels.iter().flat_map(|pixel| show(pixel).map(level)).flatten());
             }
             Format::Hdr => {
@@ -135,7 +136,7 @@ impl Canvas {
     ///
     /// # Errors
     /// Where the writer fails, or the format has not so many pixels.
-    pub fn encode(&self, writer: impl Write) -> io::Result<()> {
+    pub fn encode(&self, mut writer: impl Write) -> io::Result<()> {
         let [width, height] = self.size;
         if let Some(fault) = self.format.fault_of_size(self.size) {
             return Err(io::Error::other(format!("{fault}; write an .exr file")));
@@ -147,51 +148,15 @@ impl Canvas {
                 encoder.write_image(&self.bytes, width, height, ExtendedColorType::Rgb8)
             }
             Format::Hdr => HdrEncoder::new(writer).write_image(&self.bytes, width, height, ExtendedColorType::Rgb32F),
-            Format::Tiff => return self.encode_tiff(writer),
+            Format::Tiff => {
+                // The encoder goes back to the places of numbers that it learns later.
+                let mut file = Cursor::new(Vec::with_capacity(self.bytes.len() + TIFF_HEAD as usize));
+                let encoded =
+                    TiffEncoder::new(&mut file).write_image(&self.bytes, width, height, ExtendedColorType::Rgb16);
+                return encoded.map_err(io::Error::other).and_then(|()| writer.write_all(file.get_ref()));
+            }
         };
         encoded.map_err(io::Error::other)
-    }
-
-    /// Writes a baseline TIFF file: a header, a directory, and the rows as one strip.
-    fn encode_tiff(&self, mut writer: impl Write) -> io::Result<()> {
-        const SHORT: u16 = 3;
-        const LONG: u16 = 4;
-        const RATIONAL: u16 = 5;
-        let [width, height] = self.size;
-        // Fields of the directory: tag, type, number of values, and the value or its place.
-        let fields = 13;
-        let bits = 8 + 2 + 12 * fields + 4;
-        let (resolution, pixels) = (bits + 6, bits + 6 + 8);
-        debug_assert_eq!(pixels, TIFF_HEAD);
-        let length = self.bytes.len() as u32;
-        let directory: [(u16, u16, u32, u32); 13] = [
-            (256, LONG, 1, width),
-            (257, LONG, 1, height),
-            (258, SHORT, 3, bits),
-            // Not compressed, red, green and blue.
-            (259, SHORT, 1, 1),
-            (262, SHORT, 1, 2),
-            (273, LONG, 1, pixels),
-            (277, SHORT, 1, 3),
-            (278, LONG, 1, height),
-            (279, LONG, 1, length),
-            // One pixel per pixel, without a unit.
-            (282, RATIONAL, 1, resolution),
-            (283, RATIONAL, 1, resolution),
-            // Channels of a pixel lie side by side.
-            (284, SHORT, 1, 1),
-            (296, SHORT, 1, 1),
-        ];
-        writer.write_all(b"II\x2a\0\x08\0\0\0")?;
-        writer.write_all(&(directory.len() as u16).to_le_bytes())?;
-        for (tag, kind, count, value) in directory {
-            writer.write_all(&[tag.to_le_bytes(), kind.to_le_bytes()].concat())?;
-            writer.write_all(&[count.to_le_bytes(), value.to_le_bytes()].concat())?;
-        }
-        // There is no other directory. Then the bits of each channel, and the resolution as a quotient.
-        writer.write_all(&[0; 4])?;
-        writer.write_all(&[16, 0, 16, 0, 16, 0, 1, 0, 0, 0, 1, 0, 0, 0])?;
-        writer.write_all(&self.bytes)
     }
 }
 
@@ -258,24 +223,13 @@ mod tests {
         }
     }
 
-    /// Reads the fields of the directory, as a reader of baseline files does.
     #[test]
     fn tiff_files_have_sixteen_bits() {
         let (_folder, path) = written("a.tif");
-        let bytes = std::fs::read(&path).unwrap();
-        let short = |at: usize| u32::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
-        let long = |at: usize| short(at) | short(at + 2) << 16;
-        let field = |tag: u32| (0..short(8) as usize).map(|i| 10 + 12 * i).find(|&at| short(at) == tag).unwrap();
-        assert_eq!((&bytes[..4], long(4)), (&b"II\x2a\0"[..], 8));
-        assert_eq!((long(field(256) + 8), long(field(257) + 8), long(field(277) + 8)), (2, 2, 3));
-        let (bits, pixels) = (long(field(258) + 8) as usize, long(field(273) + 8) as usize);
-        assert_eq!([short(bits), short(bits + 2), short(bits + 4)], [16; 3]);
-        assert_eq!((long(field(279) + 8), bytes.len()), (24, pixels + 24));
+        let FileTexels::Encoded(texels) = texels::read(&path).unwrap().texels else { panic!("16 bits") };
+        let levels = |at: usize| [0, 1, 2].map(|channel| (texels[at][channel] * 65_535.0).round());
         // 65535 * srgb(0.5) = 48192.1, and 65535 * srgb(0.001) = 846.7
-        assert_eq!([short(pixels), short(pixels + 2), short(pixels + 4)], [65_535, 0, 48_192]);
-        assert_eq!(
-            [short(pixels + 10), short(pixels + 12), short(pixels + 14), short(pixels + 16)],
-            [0, 0, 847, 65_535]
-        );
+        assert_eq!(levels(0), [65_535.0, 0.0, 48_192.0]);
+        assert_eq!((levels(1)[2], levels(2)), (0.0, [0.0, 847.0, 65_535.0]));
     }
 }

@@ -1,9 +1,9 @@
-//! Texture images: JPEG, PNG, WebP, TGA, BMP, HDR, PFM, EXR and KTX2, read in the precision of the file.
+//! Texture images: JPEG, PNG, WebP, TGA, BMP, TIFF, HDR, PFM, EXR and KTX2, read in the precision of the file.
 
 use std::io::Cursor;
 use std::path::Path;
 
-use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use ::image::{DynamicImage, ExtendedColorType, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::{exr, ktx2, pfm, radiance};
 use crate::{Error, Result, inputs, quoted};
@@ -86,7 +86,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
             Ok(format) => format!("images of the format {} are not read", format!("{format:?}").to_uppercase()),
             Err(_) => "its image format is not supported".to_owned(),
         };
-        Error::image(path, format!("{what}; save it as JPEG, PNG, WebP, TGA, BMP, HDR, PFM, EXR or KTX2"))
+        Error::image(path, format!("{what}; save it as JPEG, PNG, WebP, TGA, BMP, TIFF, HDR, PFM, EXR or KTX2"))
     })?;
     if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
@@ -164,12 +164,13 @@ fn is_whole_jpeg(bytes: &[u8]) -> bool {
     false
 }
 
-/// PNG file of an image that few renderers read: WebP or KTX2. `None` for any other.
+/// PNG file of an image that few renderers read: WebP, KTX2, or a TIFF of whole numbers. `None` for any other.
 ///
 /// # Errors
 /// [`Error::Image`] as in [`read`].
 pub fn common(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>> {
-    let is_rare = ktx2::is_ktx2(bytes) || ::image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::WebP);
+    let of_rare_format = |format| matches!(format, ImageFormat::WebP | ImageFormat::Tiff);
+    let is_rare = ktx2::is_ktx2(bytes) || ::image::guess_format(bytes).is_ok_and(of_rare_format);
     if !is_rare {
         return Ok(None);
     }
@@ -177,7 +178,12 @@ pub fn common(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>> {
         TexelImage { width, height, texels: FileTexels::Bytes(texels), .. } => {
             encode_png(path, width, height, &texels).map(Some)
         }
-        _ => Ok(None),
+        TexelImage { width, height, texels: FileTexels::Encoded(texels), .. } => {
+            let levels = texels.as_flattened().iter().map(|value| (value * 65_535.0).round() as u16);
+            let bytes: Vec<u8> = levels.flat_map(u16::to_ne_bytes).collect();
+            png_of(path, width, height, &bytes, ExtendedColorType::Rgba16).map(Some)
+        }
+        TexelImage { texels: FileTexels::Linear(_), .. } => Ok(None),
     }
 }
 
@@ -186,15 +192,12 @@ pub fn common(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>> {
 /// # Errors
 /// [`Error::Image`] where the encoder fails.
 pub fn encode_png(name: &Path, width: u32, height: u32, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
+    png_of(name, width, height, texels.as_flattened(), ExtendedColorType::Rgba8)
+}
+
+fn png_of(name: &Path, width: u32, height: u32, texels: &[u8], form: ExtendedColorType) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    ::image::write_buffer_with_format(
-        &mut bytes,
-        texels.as_flattened(),
-        width,
-        height,
-        ::image::ExtendedColorType::Rgba8,
-        ImageFormat::Png,
-    )
-    .map_err(|error| Error::image(name, error.to_string()))?;
+    ::image::write_buffer_with_format(&mut bytes, texels, width, height, form, ImageFormat::Png)
+        .map_err(|error| Error::image(name, error.to_string()))?;
     Ok(bytes.into_inner())
 }

@@ -23,7 +23,8 @@ fn folder_with_kernels() -> Folder {
     static WRITTEN: OnceLock<Vec<(String, Vec<u8>)>> = OnceLock::new();
     let written = WRITTEN.get_or_init(|| {
         let folder = Folder::new();
-        let output = folder.run(&["inspect", "--out", "kernels"]);
+        // The variants, which take most of the time, are not needed.
+        let output = folder.without_tools(&["inspect", "--out", "kernels"]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         folder.names().into_iter().map(|name| (name.clone(), fs::read(folder.path(&name)).unwrap())).collect()
     });
@@ -149,7 +150,8 @@ fn inspect_shows_the_edited_kernel() {
     };
     edit(&folder.path(FILES[0]), change);
     let count = |arguments: &[&str]| {
-        let output = folder.run(&[&["inspect", "trace", "--back-end", "storage", "--json"], arguments].concat());
+        let output =
+            folder.without_tools(&[&["inspect", "trace", "--back-end", "storage", "--json"], arguments].concat());
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         report["kernels"][0]["histogram"]["operations"].clone()
     };

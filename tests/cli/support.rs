@@ -83,6 +83,11 @@ impl Folder {
         self.command(arguments).output().unwrap()
     }
 
+    /// Runs the program to its end where no program of SPIRV-Tools is found.
+    pub fn without_tools(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).env("PATH", "/nowhere").output().unwrap()
+    }
+
     /// Renders `scene.xml` with more arguments and returns the statistics.
     pub fn render(&self, arguments: &[&str]) -> Value {
         self.render_scene("scene.xml", arguments)

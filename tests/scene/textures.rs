@@ -57,7 +57,7 @@ fn reflectance(scene: &Scene) -> Textured<Vec3> {
 /// Small image files, one of every format that the content identifies.
 pub fn image_files() -> Vec<Vec<u8>> {
     let folder = Folder::new(&[]);
-    let mut names = vec!["a.png", "a.jpg", "a.bmp", "a.webp"];
+    let mut names = vec!["a.png", "a.jpg", "a.bmp", "a.webp", "a.tif"];
     names.iter().for_each(|name| rgb().save(folder.path(name)).unwrap());
     save_exr(&folder.path("a.exr"), 0.75);
     save_hdr(&folder.path("a.hdr"));
@@ -238,7 +238,7 @@ fn float_texels(scene: &Scene) -> &[[f32; 4]] {
 #[test]
 fn bytes_of_every_format() {
     let expected: Vec<_> = rgb().pixels().map(|Rgb([r, g, b])| [*r, *g, *b, 255]).collect();
-    for file in ["b.png", "b.tga", "b.bmp"] {
+    for file in ["b.png", "b.tga", "b.bmp", "b.tiff"] {
         assert_eq!(bytes_of(file, rgb()), expected, "{file}");
     }
     let jpeg = bytes_of("b.jpg", RgbImage::from_pixel(WIDTH, HEIGHT, Rgb([200, 100, 50])));
@@ -325,7 +325,7 @@ fn values_that_are_no_numbers_are_refused() {
 #[test]
 fn broken_images_are_one_sentence() {
     let large = RgbImage::from_fn(64, 64, |x, y| Rgb([(x * y % 251) as u8, x as u8 * 4, y as u8 * 4]));
-    for file in ["b.jpg", "b.png", "b.bmp", "b.tga"] {
+    for file in ["b.jpg", "b.png", "b.bmp", "b.tga", "b.tif"] {
         let folder = folder(&bitmap(file, ""));
         large.save(folder.path(file)).unwrap();
         let whole = std::fs::read(folder.path(file)).unwrap();
