@@ -36,7 +36,7 @@ fn trace(folder: &Folder, arguments: &[&str]) -> Value {
     inspect(folder, &[&["trace", "--back-end", "texel"], arguments].concat())["kernels"][0].clone()
 }
 
-/// The same report with the variant, where SPIRV-Tools are installed.
+/// Report about the tracing kernel with the variant, where SPIRV-Tools are installed.
 fn trace_with_variant(folder: &Folder, arguments: &[&str]) -> Value {
     let output = folder.run(&[&["inspect", "--json", "trace", "--back-end", "texel"], arguments].concat());
     json(&output)["kernels"][0].clone()
