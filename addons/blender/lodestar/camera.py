@@ -73,6 +73,8 @@ def _upright(matrix: Any, place: str, report: Report) -> Any:
     """Turn and place of a camera, without the scale and the shear that its parents give it."""
     from mathutils import Matrix
 
+    if min(matrix.col[at].xyz.length for at in range(3)) == 0.0:
+        raise Unsupported(f"{place}: its scale is 0, so it looks nowhere; give it another scale")
     turned = matrix.normalized()
     axes = [turned.col[at].xyz for at in range(3)]
     if max(abs(axes[a].dot(axes[b])) for a, b in ((0, 1), (1, 2), (2, 0))) < 1e-4:

@@ -20,6 +20,8 @@ from pathlib import Path
 from typing import Any
 
 MOST_OF_MEAN, MOST_OF_BLOCK = 0.02, 0.05
+# Bounces of Cycles. Paths of Lodestar have no limit.
+BOUNCES = 64
 Result = dict[str, Any]
 
 
@@ -56,14 +58,17 @@ def render(path: Path, options: argparse.Namespace) -> Result:
     scene = bpy.context.scene
     if scene.camera is None:
         return {"state": "no camera", "warnings": []}
+    if not any(layer.use for layer in scene.view_layers):
+        # Blender itself ends with a fault when it writes such a picture.
+        return {"state": "no view layer", "warnings": []}
     _prepare(scene, options.size)
     try:
-        ours = support.colors(support.render(scene, "LODESTAR", options.samples if options.compare else 1))
+        ours = support.colors(support.render(scene, "LODESTAR", options.samples if options.compare else 1, bounces=None))
     except RuntimeError as fault:
         return {"state": "refused", "message": str(fault).strip().splitlines()[0], "warnings": warnings}
     result: Result = {"state": "rendered", "warnings": warnings}
     if options.compare:
-        theirs = support.colors(support.render(scene, "CYCLES", options.samples))
+        theirs = support.colors(support.render(scene, "CYCLES", options.samples, bounces=BOUNCES))
         if ours.any() or theirs.any():
             result["ratio"], result["block"] = support.mean_ratio(ours, theirs), support.deviation(ours, theirs)
         else:
@@ -78,6 +83,9 @@ def _prepare(scene: Any, size: int) -> None:
     render.resolution_x, render.resolution_y = (max(round(side * share), 16) for side in (render.resolution_x, render.resolution_y))
     render.resolution_percentage = 100
     render.use_border = render.use_multiview = render.use_compositing = render.use_sequencer = False
+    # Cycles leaves nothing out that it can find.
+    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = True
+    scene.cycles.use_fast_gi = False
     formats = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER"}
     # What the reader of EXR files knows.
     formats |= {"use_exr_interleave": True, "exr_codec": "ZIP", "color_depth": "32"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Optional
 
 import bpy
 import numpy as np
@@ -19,16 +19,17 @@ FOLDER = Path(tempfile.mkdtemp(prefix="lodestar-blender-"))
 PROGRAM = os.environ.get("LODESTAR", "lodestar")
 
 
-def render(scene: Any, engine: str, samples: int, name: str = "picture", bounces: int = BOUNCES) -> exr.Picture:
-    """Picture of a scene, with all passes. Paths of Lodestar have two edges more than Cycles' have bounces."""
+def render(scene: Any, engine: str, samples: int, name: str = "picture", bounces: Optional[int] = BOUNCES) -> exr.Picture:
+    """Picture of a scene, with all passes. Paths of Lodestar have two edges more than Cycles' have bounces, or no limit."""
     scene.render.engine = engine
     scene.render.filepath = str(FOLDER / f"{name}-{engine.lower()}.exr")
     if engine == "CYCLES":
+        assert bounces is not None
         _prepare_cycles(scene, samples, bounces)
     else:
         settings = scene.lodestar
         settings.samples, settings.filter = samples, "box"
-        settings.use_max_depth, settings.max_depth = True, bounces + 2
+        settings.use_max_depth, settings.max_depth = bounces is not None, (bounces or 0) + 2
         for each in ("albedo", "normal", "depth", "variance"):
             setattr(settings, f"pass_{each}", True)
     bpy.ops.render.render(write_still=True)

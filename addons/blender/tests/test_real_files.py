@@ -14,7 +14,7 @@ import support
 
 
 def test_a_folder(tmp_path: Path) -> None:
-    """Files that agree, are refused, have no camera, or are no .blend files."""
+    """Files that agree, are refused, have no camera or no view layer, or are no .blend files."""
     scene = scenes.empty()
     scenes.camera(scene, (0, 0, 3), (0, 0, 0))
     scenes.world(scene, (1, 1, 1))
@@ -23,6 +23,9 @@ def test_a_folder(tmp_path: Path) -> None:
     save("agrees")
     plane.is_holdout = True
     save("differs")
+    scene.view_layers[0].use = False
+    save("layerless")
+    scene.view_layers[0].use = True
     scene.camera.data.type = "PANO"
     save("panorama")
     scene.camera = None
@@ -38,6 +41,7 @@ def test_a_folder(tmp_path: Path) -> None:
         "noise.blend: not opened",
         "panorama.blend: refused",
         "without.blend: no camera",
+        "layerless.blend: no view layer",
         "1 of 2 without a warning",
         "1 agree with Cycles, 1 of them without a warning",
         "    1 object: a holdout is not supported; it is an ordinary surface",

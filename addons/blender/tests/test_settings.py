@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import scenes
 import support
-from lodestar import export, lights, units
+from lodestar import camera, export, lights, units
 from mathutils import Matrix
 
 GRAY = (0.7, 0.7, 0.7)
@@ -605,6 +605,13 @@ def test_rounded_matrices_end_in_1(tmp_path: Path) -> None:
     ball.matrix_parent_inverse = rounded
     assert bpy.context.evaluated_depsgraph_get().id_eval_get(ball).matrix_world[3][3] != 1.0
     assert all(matrix[12:] == [0.0, 0.0, 0.0, 1.0] for matrix in matrices(exported(tmp_path)))
+
+
+def test_cameras_of_no_size_are_refused(tmp_path: Path) -> None:
+    """The sentence names the camera."""
+    base().camera.scale = (0.0, 0.0, 0.0)
+    with pytest.raises(camera.Unsupported, match='camera "camera": its scale is 0'):
+        exported(tmp_path)
 
 
 def test_sheared_cameras_are_upright(tmp_path: Path) -> None:
