@@ -122,7 +122,7 @@ fn not_known(parameter: &Parameter, name: &str) -> crate::Error {
     parameter.error(format!("names the spectrum `{}`, which is neither a file nor one that is known here", brief(name)))
 }
 
-/// Spectrum of a black body, up to a factor.
+/// Spectrum of a parameter's black body, up to a factor.
 fn blackbody(parameter: &Parameter) -> Result<Vec<[f64; 2]>> {
     if let [_, _] = parameter.numbers()? {
         // pbrt-v3 took a factor, too.
@@ -134,12 +134,19 @@ fn blackbody(parameter: &Parameter) -> Result<Vec<[f64; 2]>> {
     if temperature <= 0.0 {
         return Err(parameter.error(format!("must be a temperature above 0, not {temperature}")));
     }
-    let planck = |wavelength: f64| {
-        let exponent = SECOND_RADIATION_CONSTANT / temperature;
-        // Relative to 560 nm, so that cold bodies keep numbers that are not 0.
-        let relative = (exponent / 560.0).exp_m1() / (exponent / wavelength).exp_m1();
-        let value = (560.0 / wavelength).powi(5) * relative;
-        [wavelength, if value.is_finite() { value } else { 0.0 }]
-    };
-    Ok((0..=470).map(|step| planck(360.0 + f64::from(step))).collect())
+    Ok(planck(temperature))
+}
+
+/// Spectrum of a black body, up to a factor.
+pub(super) fn planck(temperature: f64) -> Vec<[f64; 2]> {
+    let point = |step| 360.0 + f64::from(step);
+    (0..=470).map(|step| [point(step), planck_at(temperature, point(step))]).collect()
+}
+
+/// Planck's law at a wavelength in nm, relative to 560 nm, so that cold bodies keep numbers that are not 0.
+pub(super) fn planck_at(temperature: f64, wavelength: f64) -> f64 {
+    let exponent = SECOND_RADIATION_CONSTANT / temperature;
+    let relative = (exponent / 560.0).exp_m1() / (exponent / wavelength).exp_m1();
+    let value = (560.0 / wavelength).powi(5) * relative;
+    if value.is_finite() { value } else { 0.0 }
 }

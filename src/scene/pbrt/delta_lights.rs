@@ -35,9 +35,6 @@ pub(super) fn light(entity: &Entity, exposure: f64, files: &mut Files, warnings:
                 [("direction", vector(direction)), ("irradiance", rgb(irradiance))],
             ))
         }
-        other @ ("goniometric" | "projection") => {
-            Err(entity.error(format!("the light `{other}` is not supported; use a `spot`")))
-        }
         other => Err(entity.error(format!("the light `{}` is not known; check its spelling", brief(other)))),
     }
 }
@@ -73,7 +70,7 @@ fn spot(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<St
 }
 
 /// Factor that gives a light its `power`, where it is given. `emitted` is the power of a light of intensity 1.
-fn power(entity: &Entity, emitted: f64) -> Result<f64> {
+pub(super) fn power(entity: &Entity, emitted: f64) -> Result<f64> {
     let power = entity.parameters.number("power", -1.0)?;
     Ok(if power > 0.0 { power / emitted } else { 1.0 })
 }

@@ -4,7 +4,7 @@ use super::names::Names;
 use super::textures::Textures;
 use super::tokens::brief;
 use super::world::{Entity, World};
-use super::{delta_lights, environment};
+use super::{delta_lights, environment, pictured_lights};
 use crate::scene::description::object::Object;
 use crate::scene::faults::Faults;
 
@@ -21,8 +21,14 @@ pub(super) fn of_scene(
     let label = |light: &Entity| names.label(&light.parameters.place, &format!("light `{}`", brief(&light.kind)));
     let mut lights = Vec::new();
     for light in &others {
-        let made = delta_lights::light(light, exposure, textures.images.files, textures.images.warnings);
-        lights.extend(faults.keep(made).map(|object| names.entry(label(light), "light", object)));
+        let images = &mut textures.images;
+        let made = match light.kind.as_str() {
+            "projection" => pictured_lights::projection(light, exposure, images),
+            "goniometric" => pictured_lights::goniometric(light, exposure, images),
+            _ => delta_lights::light(light, exposure, images.files, images.warnings).map(|object| vec![object]),
+        };
+        let made = faults.keep(made).into_iter().flatten();
+        lights.extend(made.map(|object| names.entry(label(light), "light", object)));
     }
     let environment = faults.keep(environment::of_lights(&infinite, exposure, textures)).flatten();
     if let (Some(object), Some(first)) = (environment, infinite.first()) {

@@ -4,12 +4,15 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3, UVec3};
+use rayon::prelude::*;
 
 use super::cloud::{self, Cloud};
 use super::colors;
 use super::files::Files;
+use super::glow::Glow;
 use super::measured_media;
 use super::names::Names;
+use super::nanovdb::{self, Dense};
 use super::nodes::rgb;
 use super::parameters::Parameter;
 use super::tokens::{Place, brief};
@@ -20,6 +23,7 @@ use crate::scene::description::make::{matrix, nested, object};
 use crate::scene::description::object::{Object, Value};
 use crate::scene::faults::Faults;
 use crate::scene::grids::Grid;
+use crate::scene::texel_pages::PAGE_WORDS;
 
 /// Media that surfaces border or that the camera is in.
 pub(super) struct Media {
@@ -37,6 +41,7 @@ impl Media {
         exposure: f64,
         files: &mut Files,
         faults: &mut Faults,
+        warnings: &mut Vec<String>,
     ) -> Self {
         let mut media = Self { ids: HashMap::new(), objects: Vec::new() };
         for (name, place) in used {
@@ -45,7 +50,7 @@ impl Media {
                 faults.add(place.error(format!("the medium `{name}` is not defined; define it by MakeNamedMedium")));
                 continue;
             };
-            let Some(made) = faults.keep(medium(name, entity, exposure, files)) else { continue };
+            let Some(made) = faults.keep(medium(name, entity, exposure, files, warnings)) else { continue };
             let id = names.id(name);
             let label = names.label(&entity.parameters.place, &format!("medium `{}`", brief(name)));
             media.objects.push((label, made.with_id(id.clone())));
@@ -87,7 +92,7 @@ fn is_negative(color: &Parameter) -> bool {
     color.kind == "rgb" && color.numbers().is_ok_and(|numbers| numbers.iter().any(|number| *number < 0.0))
 }
 
-fn medium(name: &str, entity: &Entity, exposure: f64, files: &mut Files) -> Result<Object> {
+fn medium(name: &str, entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<String>) -> Result<Object> {
     let parameters = &entity.parameters;
     parameters.ignore(&["type"]);
     let phase = object(Kind::Phase, "hg", [("g", Value::Float(parameters.number("g", 0.0)?))]);
@@ -96,9 +101,10 @@ fn medium(name: &str, entity: &Entity, exposure: f64, files: &mut Files) -> Resu
         "uniformgrid" => uniform_grid(entity, exposure, files)?,
         "rgbgrid" => color_grid(entity, exposure)?,
         "cloud" => cloud(entity, files)?,
+        "nanovdb" => nanovdb(entity, exposure, files, warnings)?,
         kind => {
             let (name, kind) = (brief(name), brief(kind));
-            let known = "use `homogeneous`, `uniformgrid`, `rgbgrid` or `cloud`";
+            let known = "use `homogeneous`, `uniformgrid`, `rgbgrid`, `cloud` or `nanovdb`";
             return Err(entity.error(format!("the medium `{name}` of the type `{kind}` is not supported; {known}")));
         }
     };
@@ -117,9 +123,6 @@ fn homogeneous(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Obje
 /// Medium whose coefficients are multiplied by a grid of densities.
 fn uniform_grid(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Object> {
     let parameters = &entity.parameters;
-    if let Some(parameter) = parameters.get("temperature") {
-        return Err(parameter.error("of a medium is not supported; give `Le` and `Lescale`"));
-    }
     let (absorption, scattering) = coefficients(entity, files)?;
     let size = size(entity)?;
     let density = needed(entity, "density")?;
@@ -132,13 +135,84 @@ fn uniform_grid(entity: &Entity, exposure: f64, files: &mut Files) -> Result<Obj
             ("density", nested(volume(entity, numbers(density, size)?)?)),
         ],
     );
-    let Some(emission) = emission(entity, exposure, files)? else { return Ok(medium) };
     // One voxel, which pbrt interpolates like all others.
     let factor = match parameters.get("Lescale") {
         None => Grid::new(UVec3::ONE, false, vec![1.0]).map_err(|message| entity.error(message))?,
         Some(parameter) => numbers(parameter, size)?,
     };
+    if let Some(temperature) = parameters.get("temperature") {
+        if parameters.has("Le") {
+            return Err(temperature.error("of a medium cannot stand beside `Le`; give one of them"));
+        }
+        let temperatures: Vec<f32> = temperature.numbers()?.iter().map(|value| *value as f32).collect();
+        let mut colors = glow(entity, &temperatures)?;
+        if factor.size == size {
+            colors.chunks_exact_mut(3).zip(&*factor.values).for_each(|(color, factor)| {
+                color.iter_mut().for_each(|channel| *channel *= factor);
+            });
+        }
+        let colors = Grid::new(size, true, colors).map_err(|message| temperature.error(message))?;
+        let emission = nested(volume(entity, colors)?);
+        return Ok(medium.with("emission", rgb([exposure; 3])).with("emission_factor", emission));
+    }
+    let Some(emission) = emission(entity, exposure, files)? else { return Ok(medium) };
     Ok(medium.with("emission", rgb(emission)).with("emission_factor", nested(volume(entity, factor)?)))
+}
+
+/// Radiances of voxels by their temperatures, as linear sRGB.
+fn glow(entity: &Entity, temperatures: &[f32]) -> Result<Vec<f32>> {
+    let parameters = &entity.parameters;
+    let cutoff = parameters.number("temperaturecutoff", 0.0)?;
+    let (offset, scale) =
+        (parameters.number("temperatureoffset", cutoff)?, parameters.number("temperaturescale", 1.0)?);
+    let glow = Glow::new();
+    let color = |temperature: &f32| glow.at((f64::from(*temperature) - offset) * scale).map(|channel| channel as f32);
+    Ok(temperatures.par_iter().flat_map_iter(color).collect())
+}
+
+/// Medium whose coefficients are multiplied by the densities of a file of NanoVDB, and which glows by its temperatures.
+fn nanovdb(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<String>) -> Result<Object> {
+    let parameters = &entity.parameters;
+    let (absorption, scattering) = coefficients(entity, files)?;
+    let name = parameters.text("filename")?;
+    let name = name.ok_or_else(|| entity.error("the medium needs its parameter \"string filename\""))?;
+    let path = files.existing(name, "grid file", &parameters.place)?;
+    let file = files.bytes(&path)?;
+    let mut read = |grid: &str, channels: u64| {
+        let found = nanovdb::read(&file, grid, PAGE_WORDS / channels);
+        let found = found.map_err(|message| entity.error(format!("the grid file `{}` {message}", brief(name))))?;
+        if let Some(Dense { step: step @ 2.., voxels: [x, y, z], .. }) = found {
+            let grid = brief(grid);
+            warnings.push(format!(
+                "{}: the grid `{grid}` of {x} x {y} x {z} voxels is read {step} times as coarse; each number is the mean of \
+                 {step} x {step} x {step} voxels",
+                parameters.place
+            ));
+        }
+        Ok::<_, crate::Error>(found)
+    };
+    let grid = parameters.text("gridname")?.unwrap_or("density");
+    let density = read(grid, 1)?.ok_or_else(|| {
+        entity.error(format!("the grid file `{}` has no grid `{}`; give a `gridname`", brief(name), brief(grid)))
+    })?;
+    let temperature = read(parameters.text("temperaturename")?.unwrap_or("temperature"), 3)?;
+    let box_of = |dense: &Dense, values: Vec<f32>, has_colors: bool| {
+        let grid =
+            Grid::new(dense.size, has_colors, values).map_err(|message| entity.error(format!("the grid {message}")))?;
+        Ok::<_, crate::Error>(nested(volume_in(&(entity.to_world.matrix * dense.from_unit), grid)))
+    };
+    let values = density.values.clone();
+    let density = box_of(&density, values, false)?;
+    let entries = [("sigma_a", rgb(absorption)), ("sigma_s", rgb(scattering)), ("density", density)];
+    let medium = object(Kind::Medium, "heterogeneous", entries);
+    // Files of older versions of pbrt have a capital.
+    let strength = parameters.number("Lescale", parameters.number("LeScale", 1.0)?)?;
+    let Some(temperature) = temperature.filter(|_| strength > 0.0) else {
+        parameters.ignore(&["temperatureoffset", "temperaturecutoff", "temperaturescale"]);
+        return Ok(medium);
+    };
+    let colors = box_of(&temperature, glow(entity, &temperature.values)?, true)?;
+    Ok(medium.with("emission", rgb([exposure * strength; 3])).with("emission_factor", colors))
 }
 
 /// Medium whose coefficients are multiplied by the density of a cloud. pbrt samples it between the corners of its box only.
@@ -264,10 +338,15 @@ fn corners(entity: &Entity) -> Result<(DVec3, DVec3)> {
 fn volume(entity: &Entity, grid: Grid) -> Result<Object> {
     let (low, high) = corners(entity)?;
     let to_world = entity.to_world.matrix * DMat4::from_translation(low) * DMat4::from_scale(high - low);
+    Ok(volume_in(&to_world, grid))
+}
+
+/// The grid over the box to which the matrix brings the unit cube.
+fn volume_in(to_world: &DMat4, grid: Grid) -> Object {
     let entries = [
         ("grid", Value::Grid(Arc::new(grid))),
-        ("to_world", matrix(&to_world)),
+        ("to_world", matrix(to_world)),
         ("wrap_mode", Value::Text("zero".to_owned())),
     ];
-    Ok(object(Kind::Volume, "gridvolume", entries))
+    object(Kind::Volume, "gridvolume", entries)
 }

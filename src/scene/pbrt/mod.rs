@@ -20,6 +20,7 @@ mod equal_area;
 mod files;
 mod film;
 mod form;
+mod glow;
 mod image_maps;
 mod images;
 mod lights;
@@ -31,9 +32,11 @@ mod media;
 mod metals;
 mod named_spectra;
 mod names;
+mod nanovdb;
 mod nodes;
 mod old_files;
 mod parameters;
+mod pictured_lights;
 mod procedural;
 mod quadrics;
 mod rasters;
@@ -86,7 +89,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let names = Names::new(path);
     let film = faults.keep(Film::read(&world, &mut warnings));
     let exposure = film.as_ref().map_or(1.0, |film| film.exposure);
-    let media = Media::new(&world.media, &world.used_media, &names, exposure, &mut files, &mut faults);
+    let media = Media::new(&world.media, &world.used_media, &names, exposure, &mut files, &mut faults, &mut warnings);
     warnings.extend(
         world.used_media.keys().filter_map(|name| world.media.get(name)).flat_map(|medium| medium.parameters.unread()),
     );

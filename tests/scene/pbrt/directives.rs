@@ -128,8 +128,8 @@ fn files_that_include_themselves_end() {
 /// Faults of several lines come together.
 #[test]
 fn all_faults_are_listed() {
-    let error = world("Shape \"curve\"\nLightSource \"projection\"\nMaterial \"hair\" Shape \"sphere\"").unwrap_err();
-    for (line, word) in [(3, "curve"), (4, "projection"), (5, "hair")] {
+    let error = world("Shape \"nurbs\"\nLightSource \"lamp\"\nMaterial \"hair\" Shape \"sphere\"").unwrap_err();
+    for (line, word) in [(3, "nurbs"), (4, "lamp"), (5, "hair")] {
         assert!(error.contains(&format!("scene.pbrt:{line}: the ")) && error.contains(word), "{error}");
     }
 }
@@ -166,8 +166,8 @@ fn what_is_refused() {
             ":1: the medium `fog` is not defined; define it by MakeNamedMedium",
         ),
         (
-            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"nanovdb\"",
-            ":1: the medium `fog` of the type `nanovdb` is not supported; use `homogeneous`, `uniformgrid`, `rgbgrid` or `cloud`",
+            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"mist\"",
+            ":1: the medium `fog` of the type `mist` is not supported; use `homogeneous`, `uniformgrid`, `rgbgrid`, `cloud` or `nanovdb`",
         ),
         (
             "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 -2 0 ]",
@@ -252,7 +252,11 @@ fn media_may_be_grids() {
         ("uniformgrid", "\"float density\" [ 1 2 3 ]", "has 3 numbers, but 2 x 1 x 1 voxels need 2"),
         ("uniformgrid", "\"float density\" [ 1 -2 ]", "has the negative value -2"),
         ("uniformgrid", "\"float density\" [ 1 2 ] \"integer ny\" 2147483647 \"integer nz\" 2147483647", "at most"),
-        ("uniformgrid", "\"float density\" [ 1 2 ] \"float temperature\" [ 1 2 ]", "of a medium is not supported"),
+        (
+            "uniformgrid",
+            "\"float density\" [ 1 2 ] \"float temperature\" [ 1 ]",
+            "has 3 numbers, but 2 x 1 x 1 voxels need 6",
+        ),
         ("rgbgrid", "", "neither `sigma_a` nor `sigma_s`"),
         ("rgbgrid", "\"rgb sigma_a\" [ 1 2 ]", "some are missing"),
         ("rgbgrid", "\"rgb sigma_a\" [ 1 2 3 1 2 -3 ]", "has the negative value -3"),

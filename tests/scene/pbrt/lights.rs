@@ -264,6 +264,116 @@ fn infinite_lights_add_up() {
     assert!(texels.iter().all(|texel| (scale * texel[0] - 16.0).abs() < 1e-3), "{scale} x {:?}", texels[0]);
 }
 
+/// Intensity of a scene's spots with pictures in a direction, by the same steps as the kernels take.
+fn thrown(scene: &Scene, towards: Vec3) -> Vec3 {
+    let intensity = |kind: &DeltaKind| {
+        let DeltaKind::PicturedSpot { direction, axes, intensity, cutoff_angle, beam_width, .. } = kind else {
+            panic!("{kind:?}")
+        };
+        let depth = towards.dot(*direction);
+        if depth <= cutoff_angle.cos() * towards.length() {
+            return Vec3::ZERO;
+        }
+        let uv = 0.5 + glam::Vec2::new(towards.dot(axes.u), towards.dot(axes.v)) / depth;
+        let texture = &scene.textures[intensity.texture.unwrap() as usize];
+        let lodestar::scene::texture::Pattern::Bitmap { image, .. } = texture.pattern else { panic!("a bitmap") };
+        let image = &scene.images[image as usize];
+        let lodestar::scene::texture::Texels::Floats(texels) = &image.texels else { panic!("floats") };
+        let at = texture.to_uv.transform_point2(uv);
+        let index = |at: f32, count: u32| ((at * count as f32).floor().max(0.0) as u32).min(count - 1);
+        let texel = texels[(index(at.y, image.height) * image.width + index(at.x, image.width)) as usize];
+        let color = Vec3::from_slice(&texel[..3]);
+        assert!(color == Vec3::ZERO || (depth / towards.length()).acos() <= *beam_width, "the picture leaves the beam");
+        intensity.value * color
+    };
+    scene.delta_emitters.iter().map(|emitter| intensity(&emitter.kind)).sum()
+}
+
+/// Scene of a light with an image of these colors.
+fn with_image(light: &str, width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Scene {
+    let text = format!("Camera \"perspective\" WorldBegin {light} \"string filename\" \"a.exr\"");
+    let folder = Folder::new(&[("scene.pbrt", &text)]);
+    let image = Image { width, height, pixels };
+    folder.write("a.exr", &encode_rgb(std::path::Path::new("a.exr"), &image).unwrap());
+    load_in(&folder).unwrap()
+}
+
+/// A projection throws its image into a pyramid around `+z`: its top to `+y`, its left to `-x`, each texel as bright from all points.
+#[test]
+fn projections_throw_their_image() {
+    let pixels: Vec<[f32; 3]> = (0..8).map(|at| [at as f32, 1.0, 0.5]).collect();
+    for (light, height) in [
+        ("LightSource \"projection\" \"float fov\" 60 \"float scale\" 2", 2),
+        ("LightSource \"projection\" \"float fov\" 170 \"float scale\" 2", 4),
+    ] {
+        let scene = with_image(light, 8 / height, height, pixels.clone());
+        let width = 8 / height;
+        let tangent = if height == 2 { 30f32 } else { 85f32 }.to_radians().tan();
+        // The angle belongs to the shorter side.
+        let half =
+            glam::Vec2::new((width as f32 / height as f32).max(1.0), (height as f32 / width as f32).max(1.0)) * tangent;
+        for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+            let place = glam::Vec2::new((column as f32 + 0.3) / width as f32, (row as f32 + 0.6) / height as f32);
+            let across = (2.0 * place - 1.0) * half * glam::Vec2::new(1.0, -1.0);
+            let pixel = pixels[(row * width + column) as usize];
+            let found = thrown(&scene, across.extend(1.0) * 3.0);
+            assert_close(&found.to_array(), &pixel.map(|channel| 2.0 * channel));
+        }
+        for beyond in [glam::Vec2::new(1.01, 0.0), glam::Vec2::new(-1.01, 0.9), glam::Vec2::new(0.2, 1.01)] {
+            assert_eq!(thrown(&scene, (beyond * half).extend(1.0)), Vec3::ZERO);
+        }
+        assert_eq!(thrown(&scene, Vec3::new(0.1, 0.1, -1.0)), Vec3::ZERO);
+    }
+    let mirrored = with_image("Scale -1 1 1 Rotate 90 0 1 0 LightSource \"projection\"", 4, 2, pixels.clone());
+    // The light's +z is the mirrored world's -x, and its -x is the world's +z.
+    let found = thrown(&mirrored, Vec3::new(-1.0, 0.4, 1.2));
+    assert_close(&found.to_array(), &pixels[0]);
+    // The power is the integral of the intensity.
+    let powered = with_image("LightSource \"projection\" \"float fov\" 90 \"float power\" 12", 1, 1, vec![[2.0; 3]]);
+    let steps = 200;
+    let mut power = 0.0;
+    for (x, y) in (0..steps).flat_map(|x| (0..steps).map(move |y| (x, y))) {
+        let at = (glam::Vec2::new(x as f32, y as f32) + 0.5) / steps as f32 * 2.0 - 1.0;
+        let direction = at.extend(1.0);
+        power += thrown(&powered, direction).x * direction.length().powi(-3) * (4.0 / (steps * steps) as f32);
+    }
+    // pbrt takes the middle of each texel for all of it: here cos^3 of 0.
+    assert!((power / 12.0 * 4.0 / (std::f32::consts::TAU / 3.0) - 1.0).abs() < 1e-3, "{power}");
+}
+
+/// A goniometric light has the intensity of its square map around `+y` in each direction, and a cone has no light elsewhere.
+#[test]
+fn goniometric_lights_have_the_intensity_of_their_map() {
+    let side = 16;
+    let pixels: Vec<[f32; 3]> =
+        (0..side * side).map(|at| [1.0 + (at % side) as f32, 0.5 * (at / side) as f32, 1.0]).collect();
+    let scene = with_image("LightSource \"goniometric\" \"rgb I\" [ 1 2 3 ]", side, side, pixels.clone());
+    assert_eq!(scene.delta_emitters.len(), 6);
+    assert!(scene.warnings.iter().any(|warning| warning.contains("read as six spots")), "{:?}", scene.warnings);
+    let mut sum = 0.0;
+    for at in 0..side * side {
+        let pixel = pixels[at as usize];
+        let mean = pixel.iter().sum::<f32>() / 3.0;
+        // Beside the middle of the texel, because sides of the cube meet there, on the square from -1 to 1, whose +z is the light's +y.
+        let place = (glam::DVec2::new(f64::from(at % side), f64::from(at / side)) + glam::DVec2::new(0.45, 0.52))
+            / f64::from(side)
+            * 2.0
+            - 1.0;
+        let towards = lodestar::math::equal_area::square_to_sphere(place);
+        let found = thrown(&scene, Vec3::new(towards.x as f32, towards.z as f32, towards.y as f32));
+        assert_close(&found.to_array(), &[mean, 2.0 * mean, 3.0 * mean]);
+        sum += mean;
+    }
+    let mean = sum / (side * side) as f32;
+    let powered = with_image("LightSource \"goniometric\" \"float power\" 7", side, side, pixels.clone());
+    let found = thrown(&powered, Vec3::new(0.1, 0.9, 0.2)) / thrown(&scene, Vec3::new(0.1, 0.9, 0.2)).x;
+    assert_close(&found.to_array(), &[7.0 / (4.0 * PI * mean); 3]);
+    // The inner half of the square is what lies above.
+    let above = |at: u32| (at % side).abs_diff(side / 2) + (at / side).abs_diff(side / 2) < side / 4 - 1;
+    let narrow = (0..side * side).map(|at| if above(at) { [1.0; 3] } else { [0.0; 3] }).collect();
+    assert_eq!(with_image("LightSource \"goniometric\"", side, side, narrow).delta_emitters.len(), 1);
+}
+
 /// A light whose alpha is 0 shines, and lets light pass.
 #[test]
 fn lights_with_an_alpha_of_0_shine() {
@@ -288,8 +398,9 @@ fn portals_are_ignored_with_a_warning() {
 #[test]
 fn what_is_refused() {
     for (text, expected) in [
-        ("LightSource \"goniometric\"", "the light `goniometric` is not supported"),
-        ("LightSource \"projection\"", "the light `projection` is not supported"),
+        ("LightSource \"goniometric\"", "the light needs its parameter \"string filename\""),
+        ("LightSource \"projection\" \"string filename\" \"none.exr\"", "the image file `none.exr` does not exist"),
+        ("LightSource \"projection\" \"float fov\" 180", "`fov` must lie between 0 and 180 degrees, not 180"),
         ("LightSource \"infinite\" \"string mapname\" \"sky.exr\"", "the image file `sky.exr` does not exist"),
         ("LightSource \"infinite\" \"string filename\" \"none.exr\"", "the image file `none.exr` does not exist"),
         ("LightSource \"point\" \"rgb I\" [ 1 -2 3 ]", "must not be negative"),

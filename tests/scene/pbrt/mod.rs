@@ -6,6 +6,7 @@ mod directives;
 mod fuzzing;
 mod lights;
 mod materials;
+mod nanovdb;
 mod old_files;
 mod shapes;
 mod textures;
