@@ -158,7 +158,10 @@ def pixels(image: Any, report: Report) -> np.ndarray:
     space = image.colorspace_settings.name
     if space == "sRGB" and not image.is_float:
         data = data.copy()
-        data[:, :, :3] = linear_from_srgb(data[:, :, :3])
+        # Such an image has bytes, and so 256 values.
+        table = linear_from_srgb(np.arange(256, dtype=np.float32) / np.float32(255.0)).astype(np.float32)
+        for rows in np.array_split(data, max(height // 256, 1)):
+            rows[:, :, :3] = table[np.rint(np.clip(rows[:, :, :3], 0.0, 1.0) * np.float32(255.0)).astype(np.uint8)]
     elif space != "sRGB" and space not in LINEAR_SPACES:
         report.warn(f'image "{image.name}"', f"the color space {space} is not supported; the colors are taken as linear")
     return data

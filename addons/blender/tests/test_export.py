@@ -8,10 +8,11 @@ from typing import Any
 
 import bpy
 import lodestar
+import numpy as np
 import pytest
 import scenes
 import support
-from lodestar import camera, engine, export, panels, process
+from lodestar import camera, engine, export, images, panels, process, report
 
 
 def exported(folder: Path) -> export.Export:
@@ -317,3 +318,12 @@ def test_only_strands_of_hair_are_named(tmp_path: Path, kind: str, has_warning: 
     settings = ground.particle_systems[0].settings
     settings.type, settings.count, settings.render_type = "HAIR", 5, kind
     assert any("hair" in warning for warning in exported(tmp_path).report.warnings) == has_warning
+
+
+def test_bytes_of_images_are_decoded_by_the_curve() -> None:
+    """A table of the 256 values of bytes is the sRGB curve."""
+    scenes.empty()
+    values = np.arange(256, dtype=np.float32).reshape(16, 16, 1) / 255.0
+    made = scenes.image("bytes", np.repeat(values, 3, axis=2))
+    found = images.pixels(made, report.Report())[:, :, :3]
+    assert np.abs(np.sort(found[:, :, 0].ravel()) - images.linear_from_srgb(values.ravel())).max() < 1e-6
