@@ -84,8 +84,8 @@ def _upright(matrix: Any, place: str, report: Report) -> Any:
     return Matrix.Translation(location) @ rotation.to_matrix().to_4x4()
 
 
-def may_see(camera_object: Any, scene: Any, points: list[Any]) -> bool:
-    """Whether a part of the hull of some points may lie within the picture. A tenth more on each side allows for blur."""
+def may_see(camera_object: Any, scene: Any, points: list[Any], margin: float = 0.1) -> bool:
+    """Whether a part of the hull of some points may lie within the picture. A share more on each side allows for blur."""
     camera = camera_object.data
     view = camera_object.matrix_world.normalized().inverted_safe()
     frame = camera.view_frame(scene=scene)
@@ -95,7 +95,7 @@ def may_see(camera_object: Any, scene: Any, points: list[Any]) -> bool:
         return False
     for axis in (0, 1):
         low, high = min(corner[axis] for corner in frame), max(corner[axis] for corner in frame)
-        low, high = low - 0.1 * (high - low), high + 0.1 * (high - low)
+        low, high = low - margin * (high - low), high + margin * (high - low)
         reach = [1.0 if is_flat else point.z / frame[0].z for point in seen]
         if all(point[axis] < low * far for point, far in zip(seen, reach)):
             return False

@@ -77,6 +77,8 @@ class _Exporter:
         # Lamps for which points stand, with those points and the disks that may take their place.
         self.soft_lamps: list[tuple[falloff.SoftLamp, list[xml.Element], list[xml.Element]]] = []
         self.surfaces_emit = self.has_glass = False
+        # Objects through which light passes.
+        self.clear_objects: set[str] = set()
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera
         self.motions = motion.Motions(depsgraph, self.camera, self.report)
@@ -187,12 +189,30 @@ class _Exporter:
         faces = self.camera.data.type == "ORTHO" or lights.faces(light, matrix, self.camera.matrix_world.translation)
         return faces and camera.may_see(self.camera, scene, lights.corners(light, matrix))
 
+    def _is_shown(self, light: Any, matrix: Any) -> bool:
+        """Whether a part of an area light lies in the picture, and no opaque surface is before it. It is tried at points of the light."""
+        if light.type != "AREA" or self.camera.data.type != "PERSP":
+            return True
+        eye, scene = self.camera.matrix_world.translation, self.depsgraph.scene
+        margin = 0.1 if self.camera.data.dof.use_dof else 0.01
+        for point in lights.points_within(light, matrix):
+            if not camera.may_see(self.camera, self.depsgraph.scene_eval, [point], margin):
+                continue
+            way = (point - eye).normalized()
+            start = eye + way * self.camera.data.clip_start
+            found = scene.ray_cast(self.depsgraph, start, way, distance=max((point - start).length * (1.0 - 1e-4), 1e-6))
+            if not found[0] or found[4] is None or found[4].name_full in self.clear_objects:
+                return True
+        return False
+
     def _surface(self, placed: Placed, course: xml.Course) -> None:
         owner = placed.owner
         unsupported.report_object(owner, self.report)
         override = self.layer.material_override
         slots = [override] if override is not None else [slot.material for slot in owner.material_slots] or [None]
         keys = [self._material(material, placed) for material in slots]
+        if not all(self.materials[key].is_opaque for key in keys):
+            self.clear_objects.add(owner.name_full)
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
@@ -324,7 +344,8 @@ class _Exporter:
         if environment is None and not self.surfaces_emit:
             return True
         for owner, course, emitters in self.visible_lamps:
-            self._hide_lamp(owner, course, emitters)
+            if course.keys or self._is_shown(owner.data, course.matrix):
+                self._hide_lamp(owner, course, emitters)
         return False
 
     def _hide_lamp(self, owner: Any, course: xml.Course, emitters: list[xml.Element]) -> None:

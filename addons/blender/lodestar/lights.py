@@ -267,6 +267,13 @@ def corners(light: Any, matrix: Any) -> list[Any]:
     return [matrix.translation + _vector((x, y, z)) for x in reach for y in reach for z in reach]
 
 
+def points_within(light: Any, matrix: Any, count: int = 16) -> list[Any]:
+    """Points of an area light on a grid that holds its corners."""
+    low, left, right, high = corners(light, matrix)
+    shares = [at / (count - 1) for at in range(count)]
+    return [low * (1 - u) * (1 - v) + left * (1 - u) * v + right * u * (1 - v) + high * u * v for u in shares for v in shares]
+
+
 def _facing(matrix: Any, size: tuple[float, float] = (1.0, 1.0), normalized: bool = False) -> Any:
     """Transform of a lamp that shines along its own -z, for a shape that shines along +z: half a turn about x."""
     from mathutils import Matrix

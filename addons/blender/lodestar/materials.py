@@ -18,6 +18,8 @@ Emission = Union[Color, Texture, None]
 Groups = tuple[Any, ...]
 BLACK: Color = (0.0, 0.0, 0.0)
 DEFAULT: Color = (0.8, 0.8, 0.8)
+# BSDFs that light passes.
+CLEAR = {"mask", "null", "thindielectric", "dielectric", "roughdielectric", "difftrans"}
 
 
 @dataclass
@@ -42,6 +44,11 @@ class Material:
     asks_for_object: bool = False  # whether it differs from object to object
     volume: Optional[Volume] = None  # within the object
     below: Optional[Volume] = None  # below the surface, in the place of the volume
+
+    @property
+    def is_opaque(self) -> bool:
+        """Whether no light passes the surface."""
+        return self.bsdf is not None and not any(part.get("type") in CLEAR for part in self.bsdf.iter("bsdf"))
 
 
 def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:

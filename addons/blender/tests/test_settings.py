@@ -640,3 +640,26 @@ def test_lamps_out_of_view_are_not_reported(tmp_path: Path, place: Any, seen: bo
     lamp(base(), "AREA", 10, size=1.0, **place)
     warnings = exported(tmp_path).report.warnings
     assert any("the camera sees it" in warning for warning in warnings) == seen, warnings
+
+
+@pytest.mark.parametrize(
+    "kind,width,has_warning",
+    [("ShaderNodeBsdfDiffuse", 3.0, False), ("ShaderNodeBsdfDiffuse", 0.8, True), ("ShaderNodeBsdfGlass", 3.0, True), ("ShaderNodeBsdfTransparent", 3.0, True)],
+)
+def test_lamps_behind_walls_are_not_reported(tmp_path: Path, kind: str, width: float, has_warning: bool) -> None:
+    """A wall hides a lamp if it is opaque and covers the whole lamp."""
+    scene = base()
+    lamp(scene, "AREA", 10, (0, 2, 1.5), (-math.pi / 2, 0, 0), size=1.0)
+    scenes.plane(scene, "wall", width, scenes.simple("wall", kind), location=(0, 1.5, 1.5), rotation=(math.pi / 2, 0, 0))
+    warnings = exported(tmp_path).report.warnings
+    assert any("the camera sees it" in warning for warning in warnings) == has_warning, warnings
+
+
+def test_lamps_at_corners_of_the_picture_are_not_reported(tmp_path: Path) -> None:
+    """The hull of such a lamp crosses both sides of the corner, and the lamp lies beside the picture."""
+    scene = base()
+    eye, frame = scene.camera, scene.camera.data.view_frame(scene=scene)
+    outside = eye.matrix_world @ (Matrix.Diagonal((1.6, 1.6, 1.0)) @ frame[0] * 5.0)
+    turned = (eye.matrix_world @ Matrix.Rotation(math.pi / 4, 4, "Z") @ Matrix.Rotation(math.pi, 4, "X")).to_euler()
+    lamp(scene, "AREA", 10, outside, turned, size=2.0)
+    assert not any("the camera sees it" in warning for warning in exported(tmp_path).report.warnings)
