@@ -7,9 +7,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DVec3, Vec2};
+use glam::{DVec3, DVec4, Vec2};
 
-use super::rings::{self, Bounds, Curve, Ring, TooMany};
+use super::rings::{self, Bounds, Curve, Kind, Ring, TooMany};
 use super::triangles::{MAX_TRIANGLES, Mesh};
 
 /// Largest distances between mesh and surface, as shares of the radius, the preferred one first.
@@ -17,6 +17,12 @@ const DEVIATIONS: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
 
 /// Number of triangles of a file above which a larger distance is taken.
 const MANY_TRIANGLES: usize = 1 << 21;
+
+/// Mesh of uniform cubic B-splines by their control points, each a place and a radius. Texture coordinates are those of [`mesh`].
+pub(in crate::scene) fn of_splines(splines: Vec<Vec<DVec4>>) -> Result<Mesh, String> {
+    let curve = |points| Curve { kind: Kind::BSpline, points };
+    mesh(&splines.into_iter().map(curve).collect::<Vec<_>>())
+}
 
 /// Makes a mesh of curves, with normals and Mitsuba's texture coordinates. The error says why there is none.
 pub(super) fn mesh(curves: &[Curve]) -> Result<Mesh, String> {

@@ -7,7 +7,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::color_space::ColorSpace;
+use super::curves::{self, Curve};
 use super::files::Files;
+use super::form::Form;
 use super::old_files;
 use super::parameters::{MAX_PARAMETERS, Parameter, Parameters};
 use super::read_form;
@@ -16,7 +18,7 @@ use super::transforms::Current;
 use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, Sides, World};
 use crate::Result;
 use crate::scene::faults::Faults;
-use crate::scene::mesh::MAX_TRIANGLES;
+use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
 
 /// Deepest nesting of `AttributeBegin`.
 const MAX_DEPTH: usize = 1024;
@@ -402,13 +404,26 @@ impl Builder {
         }
         self.world.moves |= entity.at_end.is_some();
         let room = MAX_TRIANGLES - self.triangle_count;
-        let form = read_form::read(&entity, room, &mut self.files, &mut self.warnings);
+        let mut tubes = Vec::new();
+        let form = match entity.kind.as_str() {
+            "curve" => {
+                entity.parameters.ignore(&["alpha"]);
+                curves::read(&entity).map(|curve| match curve {
+                    Curve::Strip(mesh) => Form::Mesh(mesh),
+                    Curve::Tubes(of_curve) => {
+                        tubes = of_curve;
+                        Form::Mesh(Mesh::default())
+                    }
+                })
+            }
+            _ => read_form::read(&entity, room, &mut self.files, &mut self.warnings),
+        };
         let Some(form) = self.faults.keep(form) else { return Ok(()) };
         if form.triangle_count() > room {
             return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
         }
         self.triangle_count += form.triangle_count();
-        self.vertex_count += form.vertex_count();
+        self.vertex_count += form.vertex_count() + tubes.iter().map(Vec::len).sum::<usize>();
         if self.vertex_count > 3 * MAX_TRIANGLES {
             let most = 3 * MAX_TRIANGLES;
             return Err(
@@ -419,13 +434,21 @@ impl Builder {
         entity.parameters.keep_only(&["alpha"]);
         let State { is_reversed, ref material, ref light, ref media, .. } = self.state;
         let (material, light, media) = (material.clone(), light.clone(), Rc::clone(media));
-        let mut shape = Shape { form, entity, is_reversed, material, light, media };
+        let mut shape = Shape { form, tubes, entity, is_reversed, material, light, media };
         if self.object.is_some() && shape.light.take().is_some() {
             self.warn_once(&shape.entity.parameters.place, "shapes of objects do not emit, as in pbrt");
         }
-        match &mut self.object {
-            Some((object, _)) => object.shapes.push(shape),
-            None => self.world.shapes.push(shape),
+        let shapes = match &mut self.object {
+            Some((object, _)) => &mut object.shapes,
+            None => &mut self.world.shapes,
+        };
+        // Hair has many curves, each a directive of its own.
+        match shapes.last_mut().filter(|last| last.has_alike_tubes(&shape)) {
+            Some(last) => {
+                last.tubes.append(&mut shape.tubes);
+                self.entity_count -= 1;
+            }
+            None => shapes.push(shape),
         }
         Ok(())
     }

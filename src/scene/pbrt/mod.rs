@@ -13,6 +13,7 @@ mod coats;
 mod color_space;
 mod colors;
 mod combinations;
+mod curves;
 mod delta_lights;
 mod directives;
 mod environment;

@@ -208,11 +208,16 @@ impl Walk<'_> {
         let Level { bytes, children, voxels, mask, table } = LEVELS[level];
         let bytes = Bytes(self.grid.slice(node, bytes)?);
         for index in 0..1_u64 << (3 * children) {
-            let corner = child_corner(corner, index, children, voxels);
             let entry = table + 8 * index;
             let is_child = bytes.u64(mask + index / 64 * 8)? >> (index % 64) & 1 == 1;
+            let value = bytes.f32(entry)?;
+            // Most of a table is empty.
+            if !is_child && value == self.fill.background {
+                continue;
+            }
+            let corner = child_corner(corner, index, children, voxels);
             if !is_child {
-                self.fill.cube(corner, 1 << voxels, bytes.f32(entry)?);
+                self.fill.cube(corner, 1 << voxels, value);
                 continue;
             }
             let child = node.checked_add(bytes.u64(entry)?).ok_or(CUT)?;

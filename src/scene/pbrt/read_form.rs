@@ -59,12 +59,11 @@ pub(super) fn read(entity: &Entity, room: usize, files: &mut Files, warnings: &m
             let mesh = subdivision::subdivide(&control, levels, room);
             mesh.map(Form::Mesh).map_err(|message| entity.error(format!("`loopsubdiv`: {message}")))
         }
-        "curve" => Err(entity.error("the shape `curve` is not supported; make a mesh of it")),
         other @ ("cone" | "paraboloid" | "hyperboloid" | "heightfield" | "nurbs") => Err(entity.error(format!(
             "the shape `{other}` belongs to pbrt-v3 and is not supported; make a mesh of it"
         ))),
         other => Err(entity.error(format!(
-            "the shape `{}` is not known; use `trianglemesh`, `plymesh`, `bilinearmesh`, `sphere`, `disk` or `cylinder`",
+            "the shape `{}` is not known; use `trianglemesh`, `plymesh`, `bilinearmesh`, `sphere`, `disk`, `cylinder` or `curve`",
             super::tokens::brief(other)
         ))),
     }

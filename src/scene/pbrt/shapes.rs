@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat4, DVec3, Vec2, Vec3};
+use glam::{DMat4, DVec3, DVec4, Vec2, Vec3};
 
 use super::area_lights::AreaLight;
 use super::form::{Form, own_area, triangle_areas};
@@ -57,7 +57,8 @@ impl<'l> Shapes<'l> {
         materials: &mut Materials,
         textures: &mut Textures,
     ) -> Result<Vec<(String, Object)>> {
-        let Shape { form, entity, is_reversed, material, light, media } = shape;
+        let Shape { form, tubes, entity, is_reversed, material, light, media } = shape;
+        let form = if tubes.is_empty() { form } else { tubular(tubes, &entity, textures)? };
         let cover = materials.cover(&material, entity.parameters.get("alpha"), textures)?;
         if let (Some(alpha), Some(_)) = (entity.parameters.get("alpha"), &light)
             && alpha.kind == "float"
@@ -142,6 +143,15 @@ impl<'l> Shapes<'l> {
             false => Ok(()),
         }
     }
+}
+
+/// Mesh of tubes. In pbrt, `u` runs along a curve, and `v` across it.
+fn tubular(tubes: Vec<Vec<DVec4>>, entity: &Entity, textures: &mut Textures) -> Result<Form> {
+    let message = "curves are read as tubes of triangles; a flat one is shaded as a tube, too";
+    textures.images.warn(&entity.parameters.place, message);
+    let mut mesh = mesh::of_splines(tubes).map_err(|message| entity.error(message))?;
+    mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.y, uv.x));
+    Ok(Form::Mesh(mesh))
 }
 
 /// The form as Mitsuba's shapes can have it: what they lack becomes a mesh.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-use glam::DMat4;
+use glam::{DMat4, DVec4};
 
 use super::color_space::ColorSpace;
 use super::form::Form;
@@ -49,12 +49,36 @@ pub(super) enum MaterialUse {
 #[derive(Debug)]
 pub(super) struct Shape {
     pub form: Form,
+    /// Control points of tubes, which take the place of the form.
+    pub tubes: Vec<Vec<DVec4>>,
     /// The directive; its parameters hold no more than the form leaves over.
     pub entity: Entity,
     pub is_reversed: bool,
     pub material: MaterialUse,
     pub light: Option<Rc<Entity>>,
     pub media: Sides,
+}
+
+impl Shape {
+    /// Whether both shapes are tubes that differ in nothing else.
+    pub fn has_alike_tubes(&self, other: &Self) -> bool {
+        let place = |shape: &Self| (shape.entity.to_world.matrix, shape.entity.at_end.map(|end| end.matrix));
+        let is_plain =
+            |shape: &Self| !shape.tubes.is_empty() && !shape.entity.parameters.has("alpha") && shape.light.is_none();
+        let has_one_material = match (&self.material, &other.material) {
+            (MaterialUse::Default, MaterialUse::Default) => true,
+            (MaterialUse::Unnamed(one), MaterialUse::Unnamed(other)) => Rc::ptr_eq(one, other),
+            (MaterialUse::Named(one, _), MaterialUse::Named(other, _)) => one == other,
+            _ => false,
+        };
+        let is_turned = self.is_reversed != other.is_reversed;
+        is_plain(self)
+            && is_plain(other)
+            && has_one_material
+            && !is_turned
+            && place(self) == place(other)
+            && self.media == other.media
+    }
 }
 
 /// Shapes that instances copy.

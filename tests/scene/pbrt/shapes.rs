@@ -5,9 +5,9 @@ use std::io::Write as _;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::{Vec2, Vec3};
-use lodestar::scene::{PrimitiveShape, Scene};
+use lodestar::scene::{PrimitiveShape, Scene, convert};
 
-use super::{load_in, world};
+use super::{assert_close, load_in, world};
 use crate::Folder;
 use crate::meshes::ascii_ply;
 
@@ -115,7 +115,6 @@ fn instances_are_placed_in_the_world() {
 #[test]
 fn what_is_refused() {
     for (shape, expected) in [
-        ("Shape \"curve\"", "the shape `curve` is not supported"),
         (
             "Shape \"loopsubdiv\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer levels\" 12 \"integer indices\" [ 0 1 2 0 1 2 ]",
             "triangles that face both ways",
@@ -140,5 +139,102 @@ fn what_is_refused() {
     ] {
         let error = world(shape).expect_err(expected);
         assert!(error.contains(expected) && error.contains("scene.pbrt:3: "), "{error} lacks {expected}");
+    }
+}
+
+/// Vertices of a scene's triangles.
+fn corners(scene: &Scene) -> Vec<Vec3> {
+    scene.primitives.iter().flat_map(|p| [p.origin, p.origin + p.edge_u, p.origin + p.edge_v]).collect()
+}
+
+/// Tubes have half of a curve's width as their radius, whatever the curve's basis and degree are.
+#[test]
+fn curves_are_tubes() {
+    let straight = |parameters: &str| {
+        world(&format!("Shape \"curve\" \"float width0\" 1 \"float width1\" 0.5 {parameters}")).unwrap()
+    };
+    for (parameters, length) in [
+        ("\"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3 ]", 3.0),
+        ("\"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3  0 0 4  0 0 5  0 0 6 ] \"string type\" \"cylinder\"", 6.0),
+        ("\"point3 P\" [ 0 0 0  0 0 1  0 0 2 ] \"integer degree\" 2", 2.0),
+        ("\"point3 P\" [ 0 0 -1  0 0 0  0 0 1  0 0 2  0 0 3 ] \"string basis\" \"bspline\"", 2.0),
+        ("\"point3 P\" [ 0 0 -.5  0 0 .5  0 0 1.5  0 0 2.5 ] \"string basis\" \"bspline\" \"integer degree\" 2", 2.0),
+    ] {
+        let scene = straight(parameters);
+        let places = corners(&scene);
+        let (low, high) = places.iter().fold((f32::MAX, f32::MIN), |(low, high), at| (low.min(at.z), high.max(at.z)));
+        assert_close(&[low, high], &[0.0, length]);
+        for at in places {
+            let expected = 0.5 - 0.25 * at.z / length;
+            let found = at.truncate().length();
+            assert!((found - expected).abs() < 0.01 * expected, "{parameters}: {found} is not {expected} at {}", at.z);
+        }
+        let sentence = "scene.pbrt:3: curves are read as tubes of triangles; a flat one is shaded as a tube, too";
+        assert_eq!(
+            scene.warnings.iter().filter(|warning| warning.contains(sentence)).count(),
+            1,
+            "{:?}",
+            scene.warnings
+        );
+    }
+    // The same curve in both bases.
+    let spline = straight("\"point3 P\" [ 0 0 0  3 0 0  3 3 3  0 6 3 ] \"string basis\" \"bspline\"");
+    let segment = straight("\"point3 P\" [ 2.5 .5 .5  3 1 1  3 2 2  2.5 3 2.5 ]");
+    assert_eq!(spline.primitives.len(), segment.primitives.len());
+    for (one, other) in corners(&spline).into_iter().zip(corners(&segment)) {
+        assert!((one - other).length() < 1e-4, "{one} is not {other}");
+    }
+}
+
+/// Curves of one material become one shape, so that hair is as coarse as all of it must be.
+#[test]
+fn curves_of_a_material_are_one_shape() {
+    let curve = "Shape \"curve\" \"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3 ] \"float width\" 0.1 ";
+    let shapes = |text: &str| {
+        let file = Folder::new(&[("scene.pbrt", &format!("Camera \"perspective\" WorldBegin {text}"))]);
+        let path = file.path("scene.xml");
+        convert(&file.path("scene.pbrt"), &[], &path, false).unwrap();
+        std::fs::read_to_string(path).unwrap().matches("<shape ").count()
+    };
+    let one = shapes(curve);
+    assert_eq!(shapes(&curve.repeat(3)), one);
+    assert_eq!(shapes(&format!("{curve} Material \"diffuse\" {curve}")), one + 1);
+    assert_eq!(shapes(&format!("{curve} Translate 1 0 0 {curve}")), one + 1);
+}
+
+/// A ribbon is a strip across its normals, which are also those of the surface.
+#[test]
+fn ribbons_are_strips() {
+    let scene = world(
+        "Shape \"curve\" \"string type\" \"ribbon\" \"float width\" 0.5 \"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3 ] \"normal N\" [ 0 1 0  0 1 0 ]",
+    )
+    .unwrap();
+    assert_eq!(scene.primitives.len(), 16);
+    for at in corners(&scene) {
+        assert_close(&[at.x.abs(), at.y], &[0.25, 0.0]);
+    }
+    for normal in scene.primitives.iter().flat_map(|primitive| primitive.normals.into_iter().flatten()) {
+        assert_close(&normal.abs().to_array(), &[0.0, 1.0, 0.0]);
+    }
+    for (parameters, says) in [
+        (
+            "\"point3 P\" [ 0 0 0  0 0 1  0 0 2 ]",
+            "a curve of degree 3 needs 4 points in `P`, and 3 more for each further segment, not 3",
+        ),
+        ("\"string basis\" \"bspline\"", "a curve of degree 3 needs 4 points in `P`, not 0"),
+        ("\"string basis\" \"hermite\"", "the basis `hermite` is not known"),
+        ("\"float width1\" -1", "the width of a curve must not be negative, as -1 is"),
+        (
+            "\"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3 ] \"string type\" \"ribbon\"",
+            "a ribbon of 1 segments needs 2 normals `N`, not 0",
+        ),
+        (
+            "\"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3 ] \"string type\" \"round\"",
+            "the type `round` of curves is not known",
+        ),
+        ("\"point3 P\" [ 0 0 0  0 0 0  0 0 0  0 0 0 ]", "the curves have no surface"),
+    ] {
+        let error = world(&format!("Shape \"curve\" {parameters}")).expect_err(says);
+        assert!(error.contains(says) && error.contains("scene.pbrt:3: "), "{error} lacks {says}");
     }
 }
