@@ -34,9 +34,6 @@ AreaLightSource "diffuse" "string filename" "a.png" "float power" 3 "bool twosid
 Shape "bilinearmesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 1 1 1 ]
 Material "diffuse" "texture reflectance" "c" "texture displacement" "b"
 Shape "cylinder" "float zmax" 2 "float phimax" 30
-Shape "curve" "point3 P" [ 0 0 0 1 0 0 1 1 0 ] "float width0" 0.1 "float width1" 0 "integer degree" 2
-Shape "curve" "point3 P" [ 0 0 0 1 0 0 1 1 0 2 1 0 ] "string type" "ribbon" "normal N" [ 0 0 1 0 1 0 ]
-LightSource "projection" "string filename" "a.png" "float fov" 40
 "#;
 
 /// Lights, objects and included files.
