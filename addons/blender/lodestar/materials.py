@@ -318,11 +318,13 @@ class _Translator:
         else:
             if node.distribution == "BECKMANN":
                 self.reader.warn("Beckmann's facets with an Edge Tint are not supported; those of GGX are used")
-            element = xml.add(xml.plugin("bsdf", "principled"), "metallic", 1.0)
-            parameter(self.images, element, "base_color", self.reader.color(node.inputs["Base Color"], groups))
-            parameter(self.images, element, "roughness", self.reader.scalar(node.inputs["Roughness"], groups))
-            if self.reader.color(node.inputs["Edge Tint"], groups) != (1.0, 1.0, 1.0):
-                self.reader.warn("Edge Tint is not supported; white is used")
+            color = self.reader.color(node.inputs["Base Color"], groups)
+            roughness = self.reader.scalar(node.inputs["Roughness"], groups)
+            metal = principled.tinted_metal(self.reader, color, roughness, self.reader.constant_color(node.inputs["Edge Tint"], groups))
+            element = metal if metal is not None else xml.add(xml.plugin("bsdf", "principled"), "metallic", 1.0)
+            if metal is None:
+                parameter(self.images, element, "base_color", color)
+                parameter(self.images, element, "roughness", roughness)
         return Closure(self.relief(two_sided(element), node, groups))
 
     def _glass(self, node: Any, groups: Groups) -> Closure:

@@ -7,13 +7,14 @@ Rougher ones would lose too much light (`roughplastic` loses what Cycles' single
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import Any, Optional, Union
 
-from . import subsurface, units, xml
+from . import layers, subsurface, units, xml
 from .images import Images, Texture
+from .limits import excess
 from .nodes import Color, Reader
+from .programs import Expression, mix
 from .volumes import Volume
 
 Groups = tuple[Any, ...]
@@ -56,6 +57,44 @@ def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float,
     return materials.parameter(images, element, "roughness", roughness)
 
 
+def _alpha(roughness: float) -> float:
+    """Roughness of facets; 0 where a surface is smooth."""
+    return min(roughness, 1.0) ** 2 if roughness >= SMOOTH else 0.0
+
+
+def _program(reader: Reader, value: Union[float, Color, Texture]) -> Optional[Expression]:
+    """Value as an expression; None for a mesh's colors."""
+    if not isinstance(value, Texture):
+        return reader.images.graph.constant(value)
+    return None if value.attribute is not None else reader.as_program(value)
+
+
+def tinted_metal(
+    reader: Reader,
+    base: Union[Color, Texture],
+    roughness: Union[float, Texture],
+    tint: Color,
+    passing: Optional[Expression] = None,
+) -> Optional[xml.Element]:
+    """Metal with a tint at 82 degrees, which is seen through a coat, and not yet within `twosided`; None where the tint is white or
+    cannot be rendered."""
+    from . import materials
+
+    if tint == WHITE:
+        return None
+    if isinstance(roughness, Texture):
+        reader.warn("the tint of a metal with a texture of roughness is not supported; white is used")
+        return None
+    alpha, program = _alpha(roughness), _program(reader, base)
+    color = layers.metal_color(program, alpha, tint) if program is not None else None
+    if color is not None and passing is not None:
+        color = color * passing
+    if color is None or excess(color) is not None:
+        reader.warn("the tint of a metal whose color is an attribute or needs a long program is not supported; white is used")
+        return None
+    return materials.parameter(reader.images, layers.lobe(alpha), "specular_reflectance", Texture(program=color))
+
+
 class _Principled:
     def __init__(self, reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> None:
         self.reader, self.node, self.groups, self.images = reader, node, groups, reader.images
@@ -67,7 +106,10 @@ class _Principled:
         self.anisotropic = self._constant("Anisotropic")
         self.sheen = self._scalar("Sheen Weight")
         self.subsurface = self._scalar("Subsurface Weight")
+        self.tint: Color = self._constant_color("Specular Tint")
         self.medium = self._medium() if has_subsurface else None
+        self.coat = self._coat_weight()
+        self.passing = self._passing_coat()
         self._report()
 
     def _scalar(self, name: str) -> Union[float, Texture]:
@@ -76,6 +118,9 @@ class _Principled:
 
     def _constant(self, name: str) -> float:
         return self.reader.constant(self.node.inputs[name], self.groups)
+
+    def _constant_color(self, name: str) -> Color:
+        return self.reader.constant_color(self.node.inputs[name], self.groups)
 
     def _medium(self) -> Optional[Volume]:
         """Medium below the surface."""
@@ -117,8 +162,10 @@ class _Principled:
         for name in ("Thin Film Thickness", "Diffuse Roughness"):
             if name in self.node.inputs and self._scalar(name) != 0.0:
                 self.reader.warn(f"{name} is not supported; 0 is used")
-        if self.reader.color(self.node.inputs["Specular Tint"], self.groups) != WHITE:
-            self.reader.warn("Specular Tint is not supported; white is used")
+        if self.tint != WHITE and (self.transmission != 0.0 or self.medium is not None) and self.metallic != 1.0:
+            self.reader.warn("Specular Tint of a surface that transmits light is not supported; white is used there")
+        if self.tint != WHITE and (self.anisotropic != 0.0 or self.metallic != 1.0 and not self._is_even()):
+            self.reader.warn("Specular Tint with a texture of roughness, an anisotropic surface or sheen is not supported; white is used")
         if self.anisotropic != 0.0:
             self.reader.warn("an anisotropic surface has its grain along the UV map")
         if self.sheen != 0.0:
@@ -154,26 +201,48 @@ class _Principled:
 
         level = self._constant("Specular IOR Level")
         ior = units.specular_index(self.ior, level)
+        base = self._below_coat(self.base)
         if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
-            return materials.diffuse(self.images, self.base)
-        is_even = not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
-        if not is_even or self.roughness > PLASTIC:
+            return materials.diffuse(self.images, base)
+        if self._is_even() and (self.tint != WHITE or self.passing is not None):
+            return self._layered(base, ior)
+        if not self._is_even() or self.roughness > PLASTIC:
             return self._disney(0.0, ior)
         smooth = self.roughness < SMOOTH
         element = xml.plugin("bsdf", "plastic" if smooth else "roughplastic")
         if not smooth:
             xml.add(xml.add(element, "distribution", "ggx"), "alpha", self.roughness**2)
         xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
-        materials.parameter(self.images, element, "diffuse_reflectance", self.base)
+        materials.parameter(self.images, element, "diffuse_reflectance", base)
         return materials.two_sided(element)
 
+    def _is_even(self) -> bool:
+        """Whether the surface has one roughness, and no sheen."""
+        return not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
+
+    def _layered(self, base: Union[Color, Texture], ior: float) -> xml.Element:
+        """Dielectric with a tint over a diffuse base."""
+        from . import materials
+
+        alpha = _alpha(self.roughness)  # type: ignore[arg-type]
+        kept, factor = layers.specular(self.images.graph, alpha, ior, self.tint)
+        if self.passing is not None:
+            factor = factor * self.passing
+        upper = materials.parameter(self.images, layers.lobe(alpha), "specular_reflectance", Texture(program=factor))
+        return materials.blend(self.images, Texture(program=kept), materials.diffuse(self.images, base), materials.two_sided(upper))
+
     def _metal(self) -> xml.Element:
-        return self._disney(1.0, self.ior)
+        from . import materials
+
+        if self.anisotropic != 0.0:
+            return self._disney(1.0, self.ior)
+        metal = tinted_metal(self.reader, self.base, self.roughness, self.tint, self.passing)
+        return materials.two_sided(metal) if metal is not None else self._disney(1.0, self.ior)
 
     def _disney(self, metallic: float, ior: float) -> xml.Element:
         from . import materials
 
-        element = _disney(self.images, self.base, self.roughness, metallic, ior)
+        element = _disney(self.images, self._below_coat(self.base), self.roughness, metallic, ior)
         if self.anisotropic != 0.0:
             xml.add(element, "anisotropic", min(self.anisotropic, 1.0))
         if self.sheen != 0.0 and metallic == 0.0:
@@ -186,6 +255,7 @@ class _Principled:
 
         base = self.base
         tint = base.with_operation("sqrt") if isinstance(base, Texture) else tuple(math.sqrt(max(c, 0.0)) for c in base)
+        tint = self._below_coat(tint)
         if abs(self.ior - 1.0) < 1e-4:
             element = xml.add(xml.add(xml.plugin("bsdf", "thindielectric"), "int_ior", 1.0), "ext_ior", 1.0)
             return materials.parameter(self.images, element, "specular_transmittance", tint)
@@ -204,25 +274,62 @@ class _Principled:
             materials.parameter(self.images, element, "alpha", alpha)
         return xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
 
+    # ------------------------------------------------------------------------------------------------------------ coat
+
+    def _coat_weight(self) -> Union[float, Texture]:
+        weight = self._scalar("Coat Weight")
+        if weight != 0.0 and self.medium is not None:
+            self.reader.warn("a coat over subsurface is not supported; it is left out")
+            return 0.0
+        return weight if isinstance(weight, Texture) else min(weight, 1.0)
+
+    def _coat_index(self) -> float:
+        return max(self._constant("Coat IOR"), 1.0)
+
+    def _passing_coat(self) -> Optional[Expression]:
+        """What a tinted coat lets pass; None where there is none."""
+        if self.coat == 0.0:
+            return None
+        tint = self._constant_color("Coat Tint")
+        if tint == WHITE:
+            return None
+        graph = self.images.graph
+        passing = layers.coat_tint(graph, tint, self._coat_index())
+        if isinstance(self.coat, Texture):
+            weight = _program(self.reader, self.coat)
+            return mix(WHITE, passing, weight.graph.of("luminance", value=weight)) if weight is not None else passing
+        return passing if self.coat == 1.0 else (1.0 - self.coat) + self.coat * passing
+
+    def _below_coat(self, color: Union[Color, Texture]) -> Union[Color, Texture]:
+        """Color as it is seen through a tinted coat."""
+        if self.passing is None:
+            return color
+        program = _program(self.reader, color)
+        if program is not None and excess(program * self.passing) is None:
+            return Texture(program=program * self.passing)
+        self.reader.warn("Coat Tint over a color that is an attribute or needs a long program is that of perpendicular light")
+        tint = self._constant_color("Coat Tint")
+        return color.scaled(tint) if isinstance(color, Texture) else color
+
     def _coated(self, surface: xml.Element) -> xml.Element:
+        """Surface under its coat, which keeps from it what a smooth coat would reflect, as in Cycles."""
         from . import materials
 
-        weight = self._scalar("Coat Weight")
-        if weight == 0.0:
+        index = self._coat_index()
+        if self.coat == 0.0 or index == 1.0:
             return surface
-        if (self.transmission != 0.0 or self.medium is not None) and self.metallic != 1.0:
-            self.reader.warn("a coat over a surface that transmits light is not supported; it is left out")
+        graph = self.images.graph
+        albedo = layers.coat_albedo(graph, index)
+        weight = _program(self.reader, self.coat)
+        if weight is None or excess(weight * albedo) is not None:
+            self.reader.warn("a Coat Weight that needs a long program is not supported; the coat is left out")
             return surface
-        if self._constant("Coat Roughness") > 0.1:
-            self.reader.warn("a rough coat is not supported; it is rendered smooth")
-        coating = xml.add(xml.plugin("bsdf", "coating"), "int_ior", self._constant("Coat IOR"))
-        xml.add(coating, "ext_ior", 1.0)
-        tint = self.reader.constant_color(self.node.inputs["Coat Tint"], self.groups)
-        if tint != WHITE:
-            # Light crosses the coat twice.
-            xml.add(coating, "sigma_a", tuple(-0.5 * math.log(max(c, 1e-6)) for c in tint))
-        coating = xml.with_children(coating, copy.deepcopy(surface))
-        return materials.blend(self.images, weight, surface, coating)
+        alpha = _alpha(self._constant("Coat Roughness"))
+        upper = layers.lobe(alpha)
+        if alpha > 0.0:
+            factor = layers.coat_factor(graph, alpha, index)
+            materials.parameter(self.images, upper, "specular_reflectance", Texture(program=factor))
+        return materials.blend(self.images, Texture(program=weight * albedo), surface, materials.two_sided(upper))
 
 
 def relief(reader: Reader, bsdf: xml.Element, socket: Any, groups: Groups) -> xml.Element:

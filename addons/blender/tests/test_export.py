@@ -248,6 +248,10 @@ def test_every_shader_renders() -> None:
     has_metallic = bpy.app.version >= (4, 3, 0)
     surfaces = [
         simple("coat", p, Coat_Weight=0.5, Coat_Tint=(0.9, 0.5, 0.5)),
+        simple("rough coat", p, Coat_Weight=1.0, Coat_Roughness=0.5, Transmission_Weight=0.5),
+        simple("tinted layers", p, Specular_Tint=(0.2, 0.5, 0.9), Metallic=0.5, Coat_Weight=1.0, Coat_Tint=(0.9, 0.5, 0.5)),
+        textured(p, "Base_Color", "Coat_Weight", "Coat_Tint"),
+        textured(p, "Specular_Tint", "Roughness"),
         simple("sheen", p, Sheen_Weight=0.5),
         simple("half metal", p, Metallic=0.5, Anisotropic=0.5),
         simple("half glass", p, Transmission_Weight=0.5, Alpha=0.5),

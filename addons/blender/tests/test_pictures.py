@@ -114,6 +114,38 @@ def test_principled_sphere(roughness: float) -> None:
     assert abs(ratio - 1.0) < 0.025 and abs(center - 1.0) < 0.06
 
 
+# Largest differences with 256 samples: 2 % of a block, 0.5 % of the mean.
+LAYERS = {
+    "smooth coat": dict(Base_Color=(0.7, 0.1, 0.1), Coat_Weight=1.0, Coat_Roughness=0.03),
+    "rough coat": dict(Base_Color=(0.1, 0.1, 0.1), Coat_Weight=0.7, Coat_Roughness=0.7, Coat_IOR=2.0),
+    "tinted coat": dict(Base_Color=(0.8, 0.8, 0.8), Coat_Weight=1.0, Coat_Roughness=0.2, Coat_Tint=(1.0, 0.3, 0.1)),
+    "tinted coat on metal": dict(
+        Base_Color=(0.8, 0.6, 0.3), Metallic=1.0, Roughness=0.3, Coat_Weight=1.0, Coat_Roughness=0.2, Coat_Tint=(0.3, 0.6, 0.9)
+    ),
+    "tinted metal": dict(Base_Color=(0.8, 0.6, 0.3), Metallic=1.0, Roughness=0.3, Specular_Tint=(0.2, 0.5, 0.9)),
+    "tinted dielectric": dict(Base_Color=(0.1, 0.1, 0.1), Roughness=0.3, Specular_Tint=(0.1, 0.5, 1.0), IOR=2.0),
+}
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_principled_layers(name: str) -> None:
+    """Coats and tints of a Principled ball on a ground have the brightness that they have in Cycles."""
+    pictures = []
+    for engine in ("CYCLES", "LODESTAR"):
+        scene = scenes.empty()
+        scene.render.resolution_percentage = 50
+        scenes.camera(scene, (0, -4, 1.5), (0, 0, 0.5))
+        scenes.world(scene, (0.5, 0.5, 0.5))
+        scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+        surface = scenes.simple("layers", "ShaderNodeBsdfPrincipled", **LAYERS[name])
+        scenes.ball(scene, "ball", 0.6, surface, location=(0, 0, 0.6))
+        pictures.append(support.colors(support.render(scene, engine, 128, "layers")))
+    theirs, ours = pictures
+    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
+    print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < 0.03 and abs(ratio - 1.0) < 0.01
+
+
 def test_frames_of_an_animation() -> None:
     """Each frame is rendered with its own scene."""
     scene = scenes.empty()
