@@ -38,7 +38,7 @@ pub(super) fn read(entity: &Entity) -> Result<Curve> {
         }
     };
     let segments = match is_bezier {
-        true if count > degree && (count - 1) % degree == 0 => (count - 1) / degree,
+        true if count > degree && (count - 1).is_multiple_of(degree) => (count - 1) / degree,
         false if count > degree => count - degree,
         _ => {
             let more = if is_bezier { format!(", and {degree} more for each further segment") } else { String::new() };
