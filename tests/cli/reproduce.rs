@@ -54,8 +54,8 @@ fn tables_are_measured_once_and_hold_every_method() {
         // All renders take equal time, to within half a step. On a busy machine, a single one may take longer.
         assert!(number("seconds") > 0.1 && number("spp") >= 8.0, "{method}: {record}");
         let mae = record["errors"]["mae_ldr"].as_f64().unwrap();
-        // The error falls with the root of the samples, of which a busy machine takes few.
-        assert!(mae > 0.0 && mae < 1.5 / number("spp").sqrt(), "{method}: {mae}");
+        // The error falls with the root of the samples, of which a busy machine takes few. After 8 it is 0.22.
+        assert!(mae > 0.0 && mae < (1.5 / number("spp").sqrt()).min(0.25), "{method}: {mae}");
         let picture = read_picture(&folder.path(&format!("out/cornell-box/{method}.exr"))).unwrap().0;
         assert!(picture.sample_count.iter().all(|&count| f64::from(count) == number("spp")), "{method}");
         assert_eq!(number("spp"), 8.0 * record["steps"].as_array().unwrap().len() as f64, "{method}");

@@ -177,11 +177,14 @@ class _Exporter:
         lamps = [lamp for lamp, _, _ in self.soft_lamps]
         near = falloff.near_surfaces(lamps, self.depsgraph.object_instances)
         has_mirror = bool(near) and any(falloff.is_mirror(bsdf) for each in definitions for bsdf in each.iter("bsdf"))
+        replaced: set[int] = set()
         for lamp, points, disks in self.soft_lamps:
             if lamp.name in near and has_mirror:
                 self.report.warn(f'light "{lamp.name}"', falloff.warning(near[lamp.name]))
             elif lamp.name in near:
-                self.emitters = [each for each in self.emitters if each not in points] + disks
+                replaced.update(map(id, points))
+                self.emitters += disks
+        self.emitters = [each for each in self.emitters if id(each) not in replaced]
 
     def _is_in_view(self, light: Any, matrix: Any) -> bool:
         """Whether a lamp with a surface may be in the picture, if nothing hides it."""
@@ -310,16 +313,19 @@ class _Exporter:
     # ----------------------------------------------------------------------------------------------- materials
 
     def _material(self, material: Optional[Any], placed: Placed) -> str:
-        """Key of a material. One that asks for its object has a key for each place of each object."""
+        """Key of a material. One that asks for its object has a key for each place of each object, and one that asks for the object's scale
+        has one for each scale."""
         key = "no material" if material is None else f"material {material.name_full}"
-        if key in self.materials:
-            return key
+        scaled = f"{key} scaled by {sum(abs(scale) for scale in placed.matrix.to_scale()) / 3.0:.5g}"
+        for known in (key, scaled):
+            if known in self.materials:
+                return known
         own = f"{key} of {placed.owner.name_full} {placed.random_id} {hash(tuple(map(tuple, placed.matrix))):x}"
         if own not in self.materials:
             surroundings = Surroundings(placed, self.camera, self.projection)
             found = materials.translate(material, self.images, self.report, surroundings)
             if not found.asks_for_object:
-                own = key
+                own = scaled if found.asks_for_scale else key
             self.materials[own] = found
         return own
 

@@ -18,6 +18,8 @@ REACH = 4.0
 
 # BSDFs that scatter into single directions. Those of `thindielectric` and `null`, as they are exported, go straight on.
 MIRRORS = {"conductor", "dielectric", "plastic", "coating"}
+# Roughness of a `principled` below which its highlights show a lamp.
+SHARP = 0.05
 
 
 class SoftLamp(NamedTuple):
@@ -36,8 +38,12 @@ def soft_lamp(owner: Any, center: Any) -> Optional[SoftLamp]:
 
 
 def is_mirror(bsdf: xml.Element) -> bool:
-    """Whether a BSDF shows lamps as a mirror does."""
-    return bsdf.get("type") in MIRRORS
+    """Whether a BSDF shows lamps as a mirror does, or may do so."""
+    if bsdf.get("type") != "principled":
+        return bsdf.get("type") in MIRRORS
+    roughness = [child.get("value") for child in bsdf if child.get("name") == "roughness"]
+    # A texture has no value. A metal of the roughness 0 has facets here whose highlights are as sharp as a mirror's.
+    return any(value is None or float(value) < SHARP for value in roughness)
 
 
 def near_surfaces(lamps: list[SoftLamp], instances: Iterable[Any]) -> dict[str, float]:

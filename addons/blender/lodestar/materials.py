@@ -42,6 +42,7 @@ class Material:
     color_attribute: Optional[str]
     is_glass: bool  # whether it is glass, through which light of points and suns is not found
     asks_for_object: bool = False  # whether it differs from object to object
+    asks_for_scale: bool = False  # whether it differs between scales of objects
     volume: Optional[Volume] = None  # within the object
     below: Optional[Volume] = None  # below the surface, in the place of the volume
 
@@ -97,6 +98,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         min(reader.color_attributes, default=None),
         is_glass,
         reader.asks_for_object,
+        reader.asks_for_scale,
         volume,
         closure.below,
     )
@@ -119,9 +121,8 @@ def _displacement(reader: Reader, material: Any, socket: Any) -> list[tuple[floa
         reader.warn("displacement that moves the surface is not supported; it is rendered as relief")
     if not isinstance(height, Texture) or height.attribute is not None or scale == 0.0:
         return []
-    placed = reader.placed() if node.space == "OBJECT" else None
-    if placed is not None:
-        sides = [abs(side) for side in placed.matrix.to_scale()]
+    sides = reader.scales() if node.space == "OBJECT" else None
+    if sides is not None:
         if max(sides) > 1.01 * min(sides):
             reader.warn("displacement of an object that is scaled unevenly is scaled by the mean of its scales")
         scale *= sum(sides) / 3.0

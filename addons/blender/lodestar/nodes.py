@@ -59,8 +59,9 @@ class Reader:
     material_index: int = 0
     # Heights of the material's displacement that are rendered as relief, with their factors.
     heights: list[tuple[float, Texture]] = field(default_factory=list)
-    # Whether a node has asked for the object.
+    # Whether a node has asked for the object, and whether a displacement has asked for its scale.
     asks_for_object: bool = False
+    asks_for_scale: bool = False
 
     def __post_init__(self) -> None:
         self.evaluator = Evaluator(self, self.images.graph)
@@ -69,6 +70,12 @@ class Reader:
         """Object that has the material; None for a world."""
         self.asks_for_object = True
         return self.surroundings.placed
+
+    def scales(self) -> Optional[list[float]]:
+        """Scales of the object that has the material along its axes; None for a world."""
+        self.asks_for_scale = True
+        placed = self.surroundings.placed
+        return None if placed is None else [abs(scale) for scale in placed.matrix.to_scale()]
 
     def warn(self, message: str) -> None:
         """Reports something about this material or world."""

@@ -43,6 +43,11 @@ def report_scene(depsgraph: Any, report: Report) -> None:
     cycles = getattr(scene, "cycles", None)
     if scene.render.film_transparent and getattr(cycles, "film_transparent_glass", False):
         report.warn("scene", "transparent glass is not supported; a transparent film shows glass as covered")
+    for name, light in (("caustics_reflective", "mirrors throw"), ("caustics_refractive", "passes glass")):
+        if not getattr(cycles, name, True):
+            report.warn("scene", f"light that {light} onto rough surfaces is rendered, although its caustics are off")
+    if getattr(cycles, "use_fast_gi", False):
+        report.warn("scene", "Fast GI Approximation is not supported; light goes on to the limit of bounces")
     world = getattr(layer, "world_override", None) or scene.world
     visibility = getattr(world, "cycles_visibility", None)
     hidden = [name for name in ("camera", *VISIBILITIES[:3]) if not getattr(visibility, name, True)]

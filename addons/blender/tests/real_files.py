@@ -83,9 +83,6 @@ def _prepare(scene: Any, size: int) -> None:
     render.resolution_x, render.resolution_y = (max(round(side * share), 16) for side in (render.resolution_x, render.resolution_y))
     render.resolution_percentage = 100
     render.use_border = render.use_multiview = render.use_compositing = render.use_sequencer = False
-    # Cycles leaves nothing out that it can find.
-    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = True
-    scene.cycles.use_fast_gi = False
     formats = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER"}
     # What the reader of EXR files knows.
     formats |= {"use_exr_interleave": True, "exr_codec": "ZIP", "color_depth": "32"}

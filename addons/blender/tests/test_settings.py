@@ -488,9 +488,19 @@ def ashikhmin(scene: Any) -> None:
     scene.objects["ball"].data.materials[0] = made
 
 
+def without_caustics(scene: Any) -> None:
+    scene.cycles.caustics_refractive = False
+
+
+def fast_gi(scene: Any) -> None:
+    scene.cycles.use_fast_gi = True
+
+
 @pytest.mark.parametrize(
     "change,text",
     [
+        (without_caustics, "scene: light that passes glass onto rough surfaces is rendered"),
+        (fast_gi, "scene: Fast GI Approximation"),
         (sharp_orthographic, 'camera "camera": depth of field of an orthographic camera'),
         (linked_light, 'object "lamp": light linking'),
         (without_mis, 'light "lamp": an area light without Multiple Importance'),
@@ -513,6 +523,19 @@ def test_what_is_not_rendered_is_named(tmp_path: Path, change: Callable[[Any], N
     change(scene)
     warnings = exported(tmp_path).report.warnings
     assert len(warnings) == 1 and warnings[0].startswith(text), warnings
+
+
+def test_displaced_materials_differ_between_scales_only(tmp_path: Path) -> None:
+    """Displacement is scaled with the object, so objects of one scale share a material."""
+    scene = displaced()
+    square = scene.objects["square 0"]
+    for at, scale in enumerate((1.5, 1.5, 2.0)):
+        other = square.copy()
+        other.location, other.scale = (0, 3 + at, 0), (scale, scale, scale)
+        scene.collection.objects.link(other)
+    root = export.xml.ElementTree.parse(exported(tmp_path).scene_file).getroot()
+    names = {name for each in root.iter("bsdf") if (name := each.get("id", "")).startswith("material 0")}
+    assert len(names) == 2, names
 
 
 def test_missing_images_are_noted(tmp_path: Path) -> None:
@@ -565,8 +588,12 @@ def test_soft_falloff_is_named_where_it_shows(tmp_path: Path, height: float, set
     assert exported(tmp_path).report.warnings == []
     mirror = scenes.simple("mirror", "ShaderNodeBsdfGlossy", Roughness=0.0)
     scenes.plane(scene, "mirror", 0.1, mirror, location=(5, 5, 0))
-    warnings = exported(tmp_path).report.warnings
-    assert warnings == ([f'light "lamp": {text}'] if text is not None else [])
+    expected = [f'light "lamp": {text}'] if text is not None else []
+    assert exported(tmp_path).report.warnings == expected
+    # The highlights of a smooth metal are as sharp.
+    metal = scenes.simple("metal", "ShaderNodeBsdfPrincipled", Metallic=1.0, Roughness=0.0)
+    scene.objects["mirror"].data.materials[0] = metal
+    assert exported(tmp_path).report.warnings == expected
 
 
 def test_soft_falloff_has_the_figure_of_its_warning() -> None:

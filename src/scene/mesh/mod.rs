@@ -19,7 +19,7 @@ use crate::{Error, Result, inputs};
 
 use curves::CurveFormat;
 pub(super) use triangles::{MAX_TRIANGLES, Mesh, VERTEX_COLOR};
-pub(super) use tubes::of_splines;
+pub(super) use tubes::{Strand, of_strands};
 
 /// Largest mesh file in bytes. Meshes are kept whole while they are read, and a larger file is a mistake.
 const MAX_FILE_BYTES: u64 = 8 << 30;

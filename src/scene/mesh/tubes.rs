@@ -18,14 +18,24 @@ const DEVIATIONS: [f64; 6] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32];
 /// Number of triangles of a file above which a larger distance is taken.
 const MANY_TRIANGLES: usize = 1 << 21;
 
-/// Mesh of uniform cubic B-splines by their control points, each a place and a radius. Texture coordinates are those of [`mesh`].
-pub(in crate::scene) fn of_splines(splines: Vec<Vec<DVec4>>) -> Result<Mesh, String> {
+/// Control points of the uniform cubic B-splines that lie one after the other along a strand, each a place and a radius.
+pub(in crate::scene) type Strand = Vec<Vec<DVec4>>;
+
+/// Mesh of strands. Texture coordinates are those of [`mesh`], except that `v` runs from 0 to 1 along each strand.
+pub(in crate::scene) fn of_strands(strands: Vec<Strand>) -> Result<Mesh, String> {
+    let lengths: Vec<usize> = strands.iter().map(Vec::len).collect();
     let curve = |points| Curve { kind: Kind::BSpline, points };
-    mesh(&splines.into_iter().map(curve).collect::<Vec<_>>())
+    let curves: Vec<_> = strands.into_iter().flatten().map(curve).collect();
+    mesh_of(&curves, &lengths)
 }
 
 /// Makes a mesh of curves, with normals and Mitsuba's texture coordinates. The error says why there is none.
 pub(super) fn mesh(curves: &[Curve]) -> Result<Mesh, String> {
+    mesh_of(curves, &[curves.len()])
+}
+
+/// Mesh of strands that have these numbers of curves.
+fn mesh_of(curves: &[Curve], lengths: &[usize]) -> Result<Mesh, String> {
     let last = DEVIATIONS.len() - 1;
     for (level, &deviation) in DEVIATIONS.iter().enumerate() {
         let limit = if level == last { MAX_TRIANGLES } else { MANY_TRIANGLES };
@@ -36,7 +46,7 @@ pub(super) fn mesh(curves: &[Curve]) -> Result<Mesh, String> {
                     "the curves have no surface: all radii are 0, or all control points of a curve are equal".into()
                 );
             }
-            Ok(count) => return Ok(quality.mesh(curves, count)),
+            Ok(count) => return Ok(quality.mesh(curves, lengths, count)),
             Err(TooMany) => {}
         }
     }
@@ -80,18 +90,23 @@ impl Quality {
         Ok(count)
     }
 
-    fn mesh(&self, curves: &[Curve], triangles: usize) -> Mesh {
+    fn mesh(&self, mut curves: &[Curve], lengths: &[usize], triangles: usize) -> Mesh {
         let mut mesh = Mesh { triangles: Vec::with_capacity(triangles), ..Mesh::default() };
-        let segments: usize = curves.iter().map(Curve::segment_count).sum();
-        let (mut before, mut sag) = (0, self.bounds.sag);
-        for curve in curves {
-            let mut tube = Tube { mesh: &mut mesh, quality: self, last: None };
-            let made = rings::make(curve, self.bounds, &mut |ring| {
-                tube.add(ring, (before as f64 + ring.v) / segments as f64);
-                Ok(())
-            });
-            sag = sag.max(made.unwrap_or(0.0));
-            before += curve.segment_count();
+        let mut sag = self.bounds.sag;
+        for &length in lengths {
+            let (strand, others) = curves.split_at(length);
+            let segments: usize = strand.iter().map(Curve::segment_count).sum();
+            let mut before = 0;
+            for curve in strand {
+                let mut tube = Tube { mesh: &mut mesh, quality: self, last: None };
+                let made = rings::make(curve, self.bounds, &mut |ring| {
+                    tube.add(ring, (before as f64 + ring.v) / segments as f64);
+                    Ok(())
+                });
+                sag = sag.max(made.unwrap_or(0.0));
+                before += curve.segment_count();
+            }
+            curves = others;
         }
         mesh.deviation = (self.deviation + sag - self.bounds.sag) as f32;
         mesh
@@ -223,7 +238,7 @@ mod tests {
         for deviation in DEVIATIONS {
             let quality = Quality::new(deviation);
             let count = quality.count(&curves, MAX_TRIANGLES).ok().unwrap();
-            let mesh = quality.mesh(&curves, count);
+            let mesh = quality.mesh(&curves, &[curves.len()], count);
             assert_eq!(mesh.triangles.len(), count);
             assert!((f64::from(mesh.deviation) / deviation - 1.0).abs() < 1e-6);
             assert!(count < last, "{deviation}: {count}");

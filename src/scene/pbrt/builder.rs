@@ -411,7 +411,7 @@ impl Builder {
                 curves::read(&entity).map(|curve| match curve {
                     Curve::Strip(mesh) => Form::Mesh(mesh),
                     Curve::Tubes(of_curve) => {
-                        tubes = of_curve;
+                        tubes = vec![of_curve];
                         Form::Mesh(Mesh::default())
                     }
                 })
@@ -423,7 +423,7 @@ impl Builder {
             return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
         }
         self.triangle_count += form.triangle_count();
-        self.vertex_count += form.vertex_count() + tubes.iter().map(Vec::len).sum::<usize>();
+        self.vertex_count += form.vertex_count() + tubes.iter().flatten().map(Vec::len).sum::<usize>();
         if self.vertex_count > 3 * MAX_TRIANGLES {
             let most = 3 * MAX_TRIANGLES;
             return Err(

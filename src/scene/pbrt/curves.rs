@@ -5,15 +5,15 @@ use glam::{DVec3, DVec4, Vec2};
 use super::tokens::brief;
 use super::world::Entity;
 use crate::Result;
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{Mesh, Strand};
 
 /// Steps of a strip in each segment.
 const STEPS: usize = 8;
 
 /// Curve as it is rendered.
 pub(super) enum Curve {
-    /// Control points of uniform cubic B-splines, with their radii: a tube for each.
-    Tubes(Vec<Vec<DVec4>>),
+    /// Tubes, one after the other.
+    Tubes(Strand),
     Strip(Mesh),
 }
 
@@ -110,7 +110,7 @@ fn of_spline(points: &[DVec3]) -> [DVec3; 4] {
     }
 }
 
-/// Strip that faces the normals, which turn evenly from one end of a segment to the other.
+/// Strip that faces the normals, which are interpolated from one end of a segment to the other.
 fn strip(
     segments: usize,
     control: impl Fn(usize) -> [DVec3; 4],

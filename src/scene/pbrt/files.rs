@@ -17,6 +17,9 @@ const MOST_BYTES: u64 = 16 << 30;
 /// Most bytes of files that have been read before: a file that includes another many times would make any number of few.
 const MOST_REPEATED_BYTES: u64 = 256 << 20;
 
+/// Most numbers of the dense grids that are made of files, in 2 GB of memory.
+const MOST_GRID_NUMBERS: u64 = 1 << 29;
+
 /// First bytes of a file that is compressed by gzip.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
@@ -25,6 +28,7 @@ pub(super) struct Files {
     folder: PathBuf,
     bytes_left: u64,
     repeated_left: u64,
+    grid_numbers_left: u64,
     /// Files that have been read.
     known: HashSet<PathBuf>,
 }
@@ -33,7 +37,13 @@ impl Files {
     /// Files of the scene whose main file is at `main`.
     pub fn new(main: &Path) -> Self {
         let folder = main.parent().unwrap_or(Path::new("")).to_path_buf();
-        Self { folder, bytes_left: MOST_BYTES, repeated_left: MOST_REPEATED_BYTES, known: HashSet::new() }
+        Self {
+            folder,
+            bytes_left: MOST_BYTES,
+            repeated_left: MOST_REPEATED_BYTES,
+            grid_numbers_left: MOST_GRID_NUMBERS,
+            known: HashSet::new(),
+        }
     }
 
     /// Path of the file that the scene calls `name`. As in pbrt, names are relative to the folder of the main file.
@@ -79,6 +89,16 @@ impl Files {
             })?;
         }
         Ok(bytes)
+    }
+
+    /// Counts the numbers of a dense grid that a file becomes.
+    pub fn count_grid(&mut self, numbers: usize, place: &Place) -> Result<()> {
+        self.grid_numbers_left = self.grid_numbers_left.checked_sub(numbers as u64).ok_or_else(|| {
+            place.error(format!(
+                "with this medium the grids have more than {MOST_GRID_NUMBERS} numbers; name fewer media"
+            ))
+        })?;
+        Ok(())
     }
 }
 

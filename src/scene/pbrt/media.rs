@@ -196,6 +196,8 @@ fn nanovdb(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec
         entity.error(format!("the grid file `{}` has no grid `{}`; give a `gridname`", brief(name), brief(grid)))
     })?;
     let temperature = read(parameters.text("temperaturename")?.unwrap_or("temperature"), 3)?;
+    let numbers = density.values.len() + temperature.as_ref().map_or(0, |found| 3 * found.values.len());
+    files.count_grid(numbers, &parameters.place)?;
     let box_of = |dense: &Dense, values: Vec<f32>, has_colors: bool| {
         let grid =
             Grid::new(dense.size, has_colors, values).map_err(|message| entity.error(format!("the grid {message}")))?;

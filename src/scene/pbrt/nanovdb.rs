@@ -190,11 +190,11 @@ impl Walk<'_> {
         for tile in 0..u64::from(self.grid.u32(root + 24)?) {
             let at = root + TILES + TILE * tile;
             let (key, child) = (self.grid.u64(at)?, self.grid.u64(at + 8)?);
-            if !known.insert(key) {
-                return Err("has a grid with two cubes in one place".to_owned());
-            }
             // Numbers of cubes along x, y and z. The upper bits of the coordinates are lost to the width of a coordinate.
             let corner = [key >> 42, key >> 21, key].map(|number| i64::from(((number as u32) << 12) as i32));
+            if !known.insert(corner) {
+                return Err("has a grid with two cubes in one place".to_owned());
+            }
             match child {
                 0 => self.fill.cube(corner, 1 << 12, self.grid.f32(at + 20)?),
                 _ => self.inner(0, root.checked_add(child).ok_or(CUT)?, corner)?,

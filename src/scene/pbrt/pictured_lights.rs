@@ -11,7 +11,7 @@ use super::equal_area::square_from_direction;
 use super::images::Images;
 use super::nodes::{planar, rgb};
 use super::rasters::{Encoding, Raster};
-use super::tokens::brief;
+use super::tokens::{Place, brief};
 use super::transforms::rigid;
 use super::world::Entity;
 use crate::Result;
@@ -48,7 +48,7 @@ pub(super) fn projection(entity: &Entity, exposure: f64, images: &mut Images) ->
     };
     let intensity = color(entity, "", exposure * power(entity, emitted)?, images.files)?;
     let pose = pose(entity)?;
-    Ok(vec![spot(&image, half, &pose, intensity, images)?])
+    Ok(vec![spot(&image, half, &pose, intensity, &entity.parameters.place, images)?])
 }
 
 /// Six spots, one for each side of a cube around the light. pbrt's image is an equal-area map whose `+z` is the light's `+y`.
@@ -82,7 +82,7 @@ pub(super) fn goniometric(entity: &Entity, exposure: f64, images: &mut Images) -
             continue;
         }
         let turn = DMat4::from_cols(x.extend(0.0), y.extend(0.0), axis.extend(0.0), glam::DVec4::W);
-        lights.push(spot(&face, DVec2::ONE, &(pose * turn), intensity, images)?);
+        lights.push(spot(&face, DVec2::ONE, &(pose * turn), intensity, &entity.parameters.place, images)?);
     }
     Ok(lights)
 }
@@ -102,7 +102,14 @@ fn face(side: usize, look_up: impl Fn(DVec2) -> Vec3 + Sync) -> Raster {
 }
 
 /// Spot that throws an image into the pyramid whose cross section at the distance 1 has these half widths.
-fn spot(image: &Raster, half: DVec2, pose: &DMat4, intensity: [f64; 3], images: &mut Images) -> Result<Object> {
+fn spot(
+    image: &Raster,
+    half: DVec2,
+    pose: &DMat4,
+    intensity: [f64; 3],
+    place: &Place,
+    images: &mut Images,
+) -> Result<Object> {
     // A border of black texels, which go on beyond it.
     let (width, height) = (image.width + 2, image.height + 2);
     let texel = |at: usize| {
@@ -111,6 +118,7 @@ fn spot(image: &Raster, half: DVec2, pose: &DMat4, intensity: [f64; 3], images: 
         if is_inside { image.texels[(y - 1) * image.width + x - 1] } else { Vec3::ZERO }
     };
     let bordered = Raster { width, height, texels: (0..width * height).map(texel).collect() };
+    images.count(width, height, place)?;
     let name = images.new_name("picture", "exr");
     images.add_file(name.clone(), exr::encode_rgb(Path::new(&name), &bordered.to_image())?);
     // The whole image lies in the beam.

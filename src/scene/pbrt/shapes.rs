@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat4, DVec3, DVec4, Vec2, Vec3};
+use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::area_lights::AreaLight;
 use super::form::{Form, own_area, triangle_areas};
@@ -17,7 +17,7 @@ use crate::Result;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::make::{nested, object};
 use crate::scene::description::object::{MESH, Object, Value};
-use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh, Strand};
 
 /// Most different areas of the triangles of one light whose `power` is given: each makes an emitter of its own.
 const MAX_AREAS: usize = 4096;
@@ -146,10 +146,17 @@ impl<'l> Shapes<'l> {
 }
 
 /// Mesh of tubes. In pbrt, `u` runs along a curve, and `v` across it.
-fn tubular(tubes: Vec<Vec<DVec4>>, entity: &Entity, textures: &mut Textures) -> Result<Form> {
+fn tubular(tubes: Vec<Strand>, entity: &Entity, textures: &mut Textures) -> Result<Form> {
     let message = "curves are read as tubes of triangles; a flat one is shaded as a tube, too";
     textures.images.warn(&entity.parameters.place, message);
-    let mut mesh = mesh::of_splines(tubes).map_err(|message| entity.error(message))?;
+    let mut mesh = mesh::of_strands(tubes).map_err(|message| entity.error(message))?;
+    let percent = 100.0 * mesh.deviation;
+    if percent > 1.5 {
+        let message = format!(
+            "these are many curves, so their tubes are coarser: up to {percent:.0} % of the radius from the surface"
+        );
+        textures.images.warn(&entity.parameters.place, &message);
+    }
     mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(uv.y, uv.x));
     Ok(Form::Mesh(mesh))
 }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-use glam::{DMat4, DVec4};
+use glam::DMat4;
 
 use super::color_space::ColorSpace;
 use super::form::Form;
@@ -12,6 +12,7 @@ use super::tokens::Place;
 use super::transforms::Current;
 use crate::scene::description::make::{animation, matrix};
 use crate::scene::description::object::Value;
+use crate::scene::mesh::Strand;
 
 /// Directive with its type, its parameters and what held where it stands.
 #[derive(Debug, Clone)]
@@ -49,8 +50,8 @@ pub(super) enum MaterialUse {
 #[derive(Debug)]
 pub(super) struct Shape {
     pub form: Form,
-    /// Control points of tubes, which take the place of the form.
-    pub tubes: Vec<Vec<DVec4>>,
+    /// Tubes, which take the place of the form.
+    pub tubes: Vec<Strand>,
     /// The directive; its parameters hold no more than the form leaves over.
     pub entity: Entity,
     pub is_reversed: bool,

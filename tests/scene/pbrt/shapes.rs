@@ -202,6 +202,19 @@ fn curves_of_a_material_are_one_shape() {
     assert_eq!(shapes(&format!("{curve} Translate 1 0 0 {curve}")), one + 1);
 }
 
+/// Along each curve `u` runs from 0 to 1, also where several become one shape.
+#[test]
+fn curves_have_coordinates_of_their_own() {
+    let curve = "Shape \"curve\" \"point3 P\" [ 0 0 0  0 0 1  0 0 2  0 0 3  0 0 4  0 0 5  0 0 6 ] \"float width\" 0.1 ";
+    let scene = world(&curve.repeat(3)).unwrap();
+    for primitive in &scene.primitives {
+        let places = [primitive.origin, primitive.origin + primitive.edge_u, primitive.origin + primitive.edge_v];
+        for (place, uv) in places.iter().zip(primitive.uvs) {
+            assert!((uv.x - place.z / 6.0).abs() < 1e-4, "{uv} at {}", place.z);
+        }
+    }
+}
+
 /// A ribbon is a strip across its normals, which are also those of the surface.
 #[test]
 fn ribbons_are_strips() {
