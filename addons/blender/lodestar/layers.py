@@ -1,18 +1,20 @@
 """Layers of the Principled BSDF as mixtures, whose shares follow the angle from which the surface is seen.
 
 Cycles dims what lies below a layer by the layer's albedo at this angle. So a layer over a base is a `blendbsdf`: its weight is that
-albedo, as a table, and its second part is a conductor that reflects all light, times what the rough layer reflects of it. The facets of
-a layer reflect by their own angles; the table has the mean of that for each angle of the surface.
+albedo, as a table. The second part of a coat is a conductor that reflects all light, times what the rough layer reflects of it: its facets
+reflect by their own angles, of which the table has the mean for each angle of the surface. That of a dielectric is a `plastic` with a black
+base, whose facets reflect by their own angles, over the weight. Its weight is more than the albedo, because highlights would be noisy
+otherwise, and its base is so much brighter.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, Union
 
 from . import xml
 from .color_nodes import table
-from .programs import Expression, Graph, absolute, dot
+from .programs import Expression, Graph, absolute, clamp, dot
 
 Color = tuple[float, float, float]
 Entries = list[Color]
@@ -20,6 +22,10 @@ Entries = list[Color]
 ENTRIES = 256
 # Facets for each of the cosines, on a square of this side.
 SIDE = 24
+# Roughnesses of a table in two dimensions.
+ROUGHNESSES = 17
+# Part of the samples of a dielectric's base that its lobe gets besides its own.
+MORE = 0.1
 # Schlick's weight of the color at grazing angles, at the cosine of 1/7, which is 82 degrees.
 AT_82 = (6.0 / 7.0) ** 5
 
@@ -45,7 +51,7 @@ def _cosines() -> Any:
     return np.maximum(np.arange(ENTRIES) / (ENTRIES - 1.0), 1e-3)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=8)
 def _facets(alpha: float) -> tuple[Any, Any, Any]:
     """For each angle, cosines between it and the visible facets' normals (Dupuy and Benyoub 2023), and the share of light that leaves:
     in Cycles, whose masking and shadowing are correlated, and in Lodestar, where they are separate."""
@@ -128,16 +134,75 @@ def metal_color(base: Expression, alpha: float, tint: Color) -> Expression:
 # ------------------------------------------------------------------------------------------------------- dielectric
 
 
-def specular(graph: Graph, alpha: float, ior: float, tint: Color) -> tuple[Expression, Expression]:
-    """Share of light that a rough dielectric with a tint at perpendicular incidence keeps from its base, and the factor of its lobe."""
+def dielectric_lobe(alpha: Union[float, xml.Element], ior: float) -> xml.Element:
+    """What a dielectric reflects: a plastic with a black base. A roughness that varies is a texture."""
+    element = xml.plugin("bsdf", "plastic" if alpha == 0.0 else "pplastic")
+    if alpha != 0.0:
+        xml.add(xml.add(element, "distribution", "ggx"), "alpha", alpha)
+    xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
+    return xml.add(element, "diffuse_reflectance", (0.0, 0.0, 0.0))
+
+
+@lru_cache(maxsize=256)
+def _dielectric(alpha: float, ior: float, tint: Color, is_whole: bool) -> tuple[Any, Any]:
+    """For each angle, the share of light that a rough dielectric with a tint at perpendicular incidence keeps from its base, and for each
+    channel what it reflects in Cycles over what its lobe reflects in Lodestar. A whole one sheds the light of all reflections among its
+    facets (Turquin 2019)."""
     import numpy as np
 
     to_facet, theirs, ours = _facets(alpha)
-    least = ((ior - 1.0) / (ior + 1.0)) ** 2
-    towards = (fresnel(to_facet, ior) - least) / (1.0 - least)
-    share = (towards * theirs).mean(axis=1) / theirs.mean(axis=1)
-    faces = [min(max(channel, 0.0) * least, 1.0) for channel in tint]
-    kept = np.max([face + (1.0 - face) * share for face in faces], axis=0).clip(1e-6, 1.0)
-    factors = [((face + (1.0 - face) * towards) * theirs).mean(axis=1) / (kept * ours.mean(axis=1)) for face in faces]
+    reflectance, least = fresnel(to_facet, ior), ((ior - 1.0) / (ior + 1.0)) ** 2
+    shed, lobe_ = theirs.mean(axis=1), (reflectance * ours).mean(axis=1)
+    mu = _cosines()
+    mean = lambda values: float((mu * values).sum() / mu.sum())  # noqa: E731
+    mean_shed, mean_reflectance = mean(shed), mean(fresnel(mu, ior))
+    kept, factors = np.zeros_like(mu), []
+    for channel in tint:
+        face = min(max(channel, 0.0) * least, 1.0)
+        tinted = lambda values: face + (1.0 - face) * (values - least) / (1.0 - least)  # noqa: E731, B023
+        reflected = (tinted(reflectance) * theirs).mean(axis=1)
+        if is_whole:
+            once = tinted(mean_reflectance)
+            reflected = reflected * (1.0 + once * mean_shed / (1.0 - once * (1.0 - mean_shed)) * (1.0 - shed) / shed)
+        kept = np.maximum(kept, reflected if is_whole else reflected / shed)
+        factors.append(reflected / lobe_)
+    return kept.clip(1e-6, 1.0), np.stack(factors, axis=1)
+
+
+def dielectric(graph: Graph, alpha: float, ior: float, tint: Color, is_whole: bool) -> tuple[Expression, Expression, float]:
+    """Weight of what a rough dielectric reflects, and the factor of its lobe: an expression in [0, 1] and a number."""
+    kept, factors = _dielectric(alpha, ior, tint, is_whole)
+    weight = MORE + (1.0 - MORE) * kept
+    factors = factors / weight[:, None]
+    most = float(factors.max())
     at = cosine(graph)
-    return table(at, _colors([kept] * 3)), table(at, _colors([each.clip(0.0, 1.0) for each in factors]))
+    return table(at, _colors([weight] * 3)), table(at, _colors((factors / most).T)), most
+
+
+@lru_cache(maxsize=64)
+def _of_roughness(ior: float, is_whole: bool) -> tuple[Any, Any]:
+    """The same for roughnesses from 0 to 1, one a column, without a tint."""
+    import numpy as np
+
+    found = [_dielectric(at * at, ior, (1.0, 1.0, 1.0), is_whole) for at in np.linspace(0.0, 1.0, ROUGHNESSES)]
+    return np.stack([kept for kept, _ in found], axis=1), np.stack([factors[:, 0] for _, factors in found], axis=1)
+
+
+def _of_both(at: Expression, roughness: Expression, values: Any) -> Expression:
+    """Table in two dimensions: the sum of three products of a function of the angle and one of the roughness."""
+    import numpy as np
+
+    left, sizes, right = np.linalg.svd(values, full_matrices=False)
+    roots = np.sqrt(sizes[:3])
+    of_angle, of_roughness = ([tuple(row) for row in rows] for rows in (left[:, :3] * roots, right[:3].T * roots))
+    return dot(table(at, of_angle), table(roughness, of_roughness))
+
+
+def uneven_dielectric(roughness: Expression, ior: float, is_whole: bool) -> tuple[Expression, Expression, float]:
+    """The same for a roughness that varies, without a tint."""
+    kept, factors = _of_roughness(ior, is_whole)
+    weights = MORE + (1.0 - MORE) * kept
+    most = 1.05 * float((factors / weights).max())
+    at = cosine(roughness.graph)
+    weight = clamp(_of_both(at, roughness, weights), MORE, 1.0)
+    return weight, _of_both(at, roughness, factors) / (weight * most), most

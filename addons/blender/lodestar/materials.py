@@ -18,6 +18,9 @@ Emission = Union[Color, Texture, None]
 Groups = tuple[Any, ...]
 BLACK: Color = (0.0, 0.0, 0.0)
 DEFAULT: Color = (0.8, 0.8, 0.8)
+# Most surfaces that the renderer chooses between for a material, and most choices within each other.
+MOST_SURFACES = 64
+MOST_CHOICES = 8
 # BSDFs that light passes.
 CLEAR = {"mask", "null", "thindielectric", "dielectric", "roughdielectric", "difftrans"}
 
@@ -65,20 +68,12 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     if output is not None:
         translator = _Translator(reader)
         reader.heights = _displacement(reader, material, output.inputs["Displacement"])
-        closure = translator.shader(output.inputs["Surface"], ())
+        closure = _surface(translator, output.inputs["Surface"])
         volume = volumes.translate(reader, output.inputs["Volume"], None)
         if volume is not None and reader.source(output.inputs["Surface"], ()) is None:
             closure.bsdf = xml.plugin("bsdf", "null")
-        if closure.below is not None and closure.bsdf is not None:
-            covered = subsurface.around(closure.bsdf)
-            if covered is None:
-                reader.warn("subsurface beside holes is not supported; the surface is diffuse")
-                translator.has_subsurface = False
-                closure = translator.shader(output.inputs["Surface"], ())
-            else:
-                closure.bsdf = covered
-                if volume is not None:
-                    reader.warn("a volume below subsurface is not supported; it is left out")
+        if closure.below is not None and volume is not None:
+            reader.warn("a volume below subsurface is not supported; it is left out")
     for kind, names in (("UV map", reader.uv_maps), ("color attribute", reader.color_attributes)):
         if len(names) > 1:
             reader.warn(f"more than one {kind} in a material is not supported; {min(names)} is used")
@@ -102,6 +97,40 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         volume,
         closure.below,
     )
+
+
+def _surface(translator: _Translator, socket: Any) -> Closure:
+    """Closure of a material's surface, whose BSDF is that of both sides."""
+    closure = _of_both_sides(translator, socket)
+    if closure.bsdf is not None and not _is_within_limits(closure.bsdf):
+        translator.has_layers = False
+        closure = _of_both_sides(translator, socket)
+    return closure
+
+
+def _of_both_sides(translator: _Translator, socket: Any) -> Closure:
+    closure = translator.shader(socket, ())
+    if closure.below is None or closure.bsdf is None:
+        return closure
+    covered = subsurface.around(closure.bsdf)
+    if covered is None:
+        translator.reader.warn("subsurface beside holes is not supported; the surface is diffuse")
+        translator.has_subsurface = False
+        return translator.shader(socket, ())
+    return replace(closure, bsdf=covered)
+
+
+def _is_within_limits(element: xml.Element) -> bool:
+    """Whether the renderer can follow a BSDF's choices, and its colors are not both a mesh's and computed."""
+    has_attribute = any(texture.get("type") == "mesh_attribute" for texture in element.iter("texture"))
+    surfaces = sum(all(child.tag != "bsdf" for child in part) for part in element.iter("bsdf"))
+    return surfaces <= MOST_SURFACES and _choices(element) <= MOST_CHOICES and not (has_attribute and any(element.iter("ref")))
+
+
+def _choices(element: xml.Element) -> int:
+    """Choices between two BSDFs that lie within each other."""
+    parts = [child for child in element if child.tag == "bsdf"]
+    return int(len(parts) > 1) + max(map(_choices, parts), default=0)
 
 
 def _displacement(reader: Reader, material: Any, socket: Any) -> list[tuple[float, Texture]]:
@@ -176,6 +205,7 @@ class _Translator:
         self.reader = reader
         self.images = reader.images
         self.has_subsurface = True
+        self.has_layers = True
         self.handlers: dict[str, Callable[[Any, Groups], Closure]] = {
             "BSDF_PRINCIPLED": self._principled,
             "BSDF_DIFFUSE": self._diffuse,
@@ -209,7 +239,7 @@ class _Translator:
         return Closure(diffuse(self.images, self.reader.color(color, groups) if color is not None else DEFAULT))
 
     def _principled(self, node: Any, groups: Groups) -> Closure:
-        bsdf, below = principled.translate(self.reader, node, groups, self.has_subsurface)
+        bsdf, below = principled.translate(self.reader, node, groups, self.has_subsurface, self.has_layers)
         emission = None
         strength = self.reader.scalar(node.inputs["Emission Strength"], groups)
         if isinstance(strength, Texture) or strength > 0.0:

@@ -1,8 +1,8 @@
 """Principled BSDF as layers: metal over glass over a dielectric with a diffuse base, under a coat; and relief.
 
 A dielectric that is nearly smooth is a `plastic` or `roughplastic`: like Cycles' surface it sheds diffusely what was not reflected.
-Rougher ones would lose too much light (`roughplastic` loses what Cycles' single reflections lose twice over), so they are Mitsuba's
-`principled`, of which the base color is dimmed by the mean reflectance.
+Rougher ones would lose too much light (`roughplastic` loses what Cycles' single reflections lose twice over), so they are layers. With sheen,
+with anisotropy, and where layers would exceed a limit, they are Mitsuba's `principled`, of which the base color is dimmed by the mean reflectance.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ MOST_FILTER_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
-def translate(reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> tuple[xml.Element, Optional[Volume]]:
-    """BSDF of a Principled node, without its emission, and the medium below it. With a medium, the BSDF is that of the front."""
-    principled = _Principled(reader, node, groups, has_subsurface)
+def translate(reader: Reader, node: Any, groups: Groups, has_subsurface: bool, has_layers: bool) -> tuple[xml.Element, Optional[Volume]]:
+    """BSDF of a Principled node, without its emission, and the medium below it. With a medium, the BSDF is that of the front. Without
+    layers, it is less like Cycles' surface, but has fewer parts."""
+    principled = _Principled(reader, node, groups, has_subsurface, has_layers)
     return principled.bsdf(), principled.medium
 
 
@@ -41,7 +42,22 @@ def default(images: Images) -> xml.Element:
 
     if bpy.app.version < (5, 0, 0):
         return materials.diffuse(images, materials.DEFAULT)
-    return materials.two_sided(_disney(images, materials.DEFAULT, 0.5, 0.0, 1.5))
+    return layered(images, materials.DEFAULT, 0.25, 1.5, layers.dielectric(images.graph, 0.25, 1.5, WHITE, True))
+
+
+def layered(
+    images: Images, base: Union[Color, Texture], alpha: Union[float, Texture], ior: float, layer: tuple[Expression, Expression, float]
+) -> xml.Element:
+    """Dielectric over a diffuse base."""
+    from . import materials
+
+    weight, factor, most = layer
+    # Textures alone may be brighter than 1.
+    base = base if isinstance(base, Texture) else Texture(program=images.graph.constant(base))
+    base = base.scaled((1.0 / (1.0 - layers.MORE),) * 3)
+    upper = layers.dielectric_lobe(images.element(alpha) if isinstance(alpha, Texture) else alpha, ior)
+    materials.parameter(images, upper, "specular_reflectance", Texture(program=factor, factor=(most,) * 3))
+    return materials.blend(images, Texture(program=weight), materials.diffuse(images, base), materials.two_sided(upper))
 
 
 def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float, Texture], metallic: float, ior: float) -> xml.Element:
@@ -96,7 +112,8 @@ def tinted_metal(
 
 
 class _Principled:
-    def __init__(self, reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> None:
+    def __init__(self, reader: Reader, node: Any, groups: Groups, has_subsurface: bool, has_layers: bool) -> None:
+        self.has_layers = has_layers
         self.reader, self.node, self.groups, self.images = reader, node, groups, reader.images
         self.base = reader.color(node.inputs["Base Color"], groups)
         self.roughness = self._scalar("Roughness")
@@ -204,9 +221,12 @@ class _Principled:
         base = self._below_coat(self.base)
         if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
             return materials.diffuse(self.images, base)
-        if self._is_even() and (self.tint != WHITE or self.passing is not None):
-            return self._layered(base, ior)
-        if not self._is_even() or self.roughness > PLASTIC:
+        is_rough = isinstance(self.roughness, Texture) or self.roughness > PLASTIC
+        if self.has_layers and is_rough or self._is_even() and (self.tint != WHITE or self.passing is not None):
+            layered = self._layered(base, ior)
+            if layered is not None:
+                return layered
+        if is_rough or not self._is_even():
             return self._disney(0.0, ior)
         smooth = self.roughness < SMOOTH
         element = xml.plugin("bsdf", "plastic" if smooth else "roughplastic")
@@ -220,16 +240,26 @@ class _Principled:
         """Whether the surface has one roughness, and no sheen."""
         return not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
 
-    def _layered(self, base: Union[Color, Texture], ior: float) -> xml.Element:
-        """Dielectric with a tint over a diffuse base."""
-        from . import materials
-
-        alpha = _alpha(self.roughness)  # type: ignore[arg-type]
-        kept, factor = layers.specular(self.images.graph, alpha, ior, self.tint)
+    def _layered(self, base: Union[Color, Texture], ior: float) -> Optional[xml.Element]:
+        """Dielectric over a diffuse base, as layers; None where they cannot be rendered."""
+        if self.anisotropic != 0.0 or self.sheen != 0.0:
+            return None
+        is_whole = self.node.distribution == "MULTI_GGX"
+        if isinstance(self.roughness, Texture):
+            roughness = _program(self.reader, self.roughness)
+            if roughness is None:
+                return None
+            roughness = roughness.graph.of("luminance", value=roughness)
+            weight, factor, most = layers.uneven_dielectric(roughness, ior, is_whole)
+            alpha: Union[float, Texture] = self.roughness.with_operation("square")
+        else:
+            alpha = _alpha(self.roughness)
+            weight, factor, most = layers.dielectric(self.images.graph, alpha, ior, self.tint, is_whole)
         if self.passing is not None:
             factor = factor * self.passing
-        upper = materials.parameter(self.images, layers.lobe(alpha), "specular_reflectance", Texture(program=factor))
-        return materials.blend(self.images, Texture(program=kept), materials.diffuse(self.images, base), materials.two_sided(upper))
+        if excess(weight) is not None or excess(factor) is not None:
+            return None
+        return layered(self.images, base, alpha, ior, (weight, factor, most))
 
     def _metal(self) -> xml.Element:
         from . import materials

@@ -23,11 +23,29 @@ def test_a_coat_keeps_what_a_smooth_one_reflects() -> None:
 
 @pytest.mark.parametrize("alpha", [0.0, 0.01, 0.25, 1.0])
 def test_layers_gain_no_energy(alpha: float) -> None:
-    """Factors of lobes, and shares of light, lie between 0 and 1."""
+    """Factors of lobes, and shares of light, lie between 0 and 1, and what a dielectric reflects is at most what it keeps."""
     graph = Graph()
-    kept, factor = layers.specular(graph, alpha, 2.0, (0.1, 0.5, 1.0))
-    for each in (layers.coat_factor(graph, alpha, 1.5), kept, factor):
+    weight, factor, most = layers.dielectric(graph, alpha, 2.0, (0.1, 0.5, 1.0), True)
+    for each in (layers.coat_factor(graph, alpha, 1.5), weight, factor):
         assert (entries(each) >= 0.0).all() and (entries(each) <= 1.0).all()
+    to_facet, _, ours = layers._facets(alpha)
+    reflected = entries(weight) * entries(factor) * most * (layers.fresnel(to_facet, 2.0) * ours).mean(axis=1)[:, None]
+    assert (reflected + (1.0 - entries(weight)) / (1.0 - layers.MORE) <= 1.0 + 1e-6).all()
+
+
+@pytest.mark.parametrize("is_whole", [False, True])
+@pytest.mark.parametrize("ior", [1.3, 1.5, 2.0])
+def test_a_roughness_that_varies(ior: float, is_whole: bool) -> None:
+    """Three products of tables give the shares and the factors of the roughnesses between their entries, too."""
+    at = np.arange(layers.ENTRIES) / (layers.ENTRIES - 1.0)
+    for values, index in zip(layers._of_roughness(ior, is_whole), range(2)):
+        graph = Graph()
+        found = layers._of_both(graph.source("uv"), graph.source("position"), values)
+        of_angle, of_roughness = (entries(graph.operands(found.node)[name]) for name in "ab")  # type: ignore[arg-type]
+        for roughness in (0.2, 0.43, 0.5, 0.8, 1.0):
+            weights = [np.interp(roughness, np.linspace(0.0, 1.0, layers.ROUGHNESSES), each) for each in of_roughness.T]
+            exact = layers._dielectric(roughness**2, ior, (1.0, 1.0, 1.0), is_whole)[index].reshape(layers.ENTRIES, -1)[:, 0]
+            assert np.abs(of_angle @ weights - exact)[at > 0.05].max() < 0.02
 
 
 def test_a_coat_s_tint_is_that_of_perpendicular_light() -> None:
