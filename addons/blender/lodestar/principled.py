@@ -311,7 +311,15 @@ class _Principled:
         if weight != 0.0 and self.medium is not None:
             self.reader.warn("a coat over subsurface is not supported; it is left out")
             return 0.0
-        return weight if isinstance(weight, Texture) else min(weight, 1.0)
+        if weight != 0.0 and "Coat Normal" in self.node.inputs and self.node.inputs["Coat Normal"].is_linked:
+            self.reader.warn("Coat Normal is not supported; the coat has the normal of the surface")
+        if not isinstance(weight, Texture):
+            return min(weight, 1.0)
+        program = _program(self.reader, weight)
+        if program is None or excess(program * layers.coat_albedo(self.images.graph, self._coat_index())) is not None:
+            self.reader.warn("a Coat Weight that is an attribute or needs a long program is not supported; the coat is left out")
+            return 0.0
+        return weight
 
     def _coat_index(self) -> float:
         return max(self._constant("Coat IOR"), 1.0)
@@ -327,7 +335,8 @@ class _Principled:
         passing = layers.coat_tint(graph, tint, self._coat_index())
         if isinstance(self.coat, Texture):
             weight = _program(self.reader, self.coat)
-            return mix(WHITE, passing, weight.graph.of("luminance", value=weight)) if weight is not None else passing
+            assert weight is not None
+            return mix(WHITE, passing, weight.graph.of("luminance", value=weight))
         return passing if self.coat == 1.0 else (1.0 - self.coat) + self.coat * passing
 
     def _below_coat(self, color: Union[Color, Texture]) -> Union[Color, Texture]:
@@ -338,8 +347,12 @@ class _Principled:
         if program is not None and excess(program * self.passing) is None:
             return Texture(program=program * self.passing)
         self.reader.warn("Coat Tint over a color that is an attribute or needs a long program is that of perpendicular light")
-        tint = self._constant_color("Coat Tint")
-        return color.scaled(tint) if isinstance(color, Texture) else color
+        # A weight that varies counts as a whole one.
+        share = 1.0 if isinstance(self.coat, Texture) else self.coat
+        red, green, blue = ((1.0 - share) + share * channel for channel in self._constant_color("Coat Tint"))
+        if isinstance(color, Texture):
+            return color.scaled((red, green, blue))
+        return (color[0] * red, color[1] * green, color[2] * blue)
 
     def _coated(self, surface: xml.Element) -> xml.Element:
         """Surface under its coat, which keeps from it what a smooth coat would reflect, as in Cycles."""
@@ -351,9 +364,7 @@ class _Principled:
         graph = self.images.graph
         albedo = layers.coat_albedo(graph, index)
         weight = _program(self.reader, self.coat)
-        if weight is None or excess(weight * albedo) is not None:
-            self.reader.warn("a Coat Weight that needs a long program is not supported; the coat is left out")
-            return surface
+        assert weight is not None
         alpha = _alpha(self._constant("Coat Roughness"))
         upper = layers.lobe(alpha)
         if alpha > 0.0:

@@ -492,6 +492,14 @@ def without_caustics(scene: Any) -> None:
     scene.cycles.caustics_refractive = False
 
 
+def coat_with_normals(scene: Any) -> None:
+    made = scenes.simple("coated", "ShaderNodeBsdfPrincipled", Coat_Weight=1.0)
+    tree = made.node_tree
+    surface = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"], surface.inputs["Coat Normal"])
+    scene.objects["ball"].data.materials[0] = made
+
+
 def fast_gi(scene: Any) -> None:
     scene.cycles.use_fast_gi = True
 
@@ -501,6 +509,7 @@ def fast_gi(scene: Any) -> None:
     [
         (without_caustics, "scene: light that passes glass onto rough surfaces is rendered"),
         (fast_gi, "scene: Fast GI Approximation"),
+        (coat_with_normals, 'material "coated": Coat Normal is not supported'),
         (sharp_orthographic, 'camera "camera": depth of field of an orthographic camera'),
         (linked_light, 'object "lamp": light linking'),
         (without_mis, 'light "lamp": an area light without Multiple Importance'),
