@@ -123,8 +123,9 @@ def _of_both_sides(translator: _Translator, socket: Any) -> Closure:
 def _is_within_limits(element: xml.Element) -> bool:
     """Whether the renderer can follow a BSDF's choices, and its colors are not both a mesh's and computed."""
     has_attribute = any(texture.get("type") == "mesh_attribute" for texture in element.iter("texture"))
+    is_computed = next(element.iter("ref"), None) is not None
     surfaces = sum(all(child.tag != "bsdf" for child in part) for part in element.iter("bsdf"))
-    return surfaces <= MOST_SURFACES and _choices(element) <= MOST_CHOICES and not (has_attribute and any(element.iter("ref")))
+    return surfaces <= MOST_SURFACES and _choices(element) <= MOST_CHOICES and not (has_attribute and is_computed)
 
 
 def _choices(element: xml.Element) -> int:
