@@ -159,7 +159,7 @@ impl Buffer {
     /// whose render ends early is then never touched. Kernels may see the buffer after [`Buffer::write_zeros`].
     ///
     /// # Errors
-    /// Those of [`Buffer::new`].
+    /// All errors of [`Buffer::new`].
     ///
     /// # Panics
     /// Where the kind is one of acceleration structures.

@@ -26,7 +26,7 @@ const ENDINGS: [(&str, Format); 6] = [
 const JPEG_QUALITY: u8 = 95;
 /// Most pixels of a side of a JPEG file.
 const LONGEST_JPEG: u32 = 65_535;
-/// Most bytes of a TIFF file beside its pixels, if they are few strips.
+/// Most bytes of a TIFF file beside its pixels. Its strips have a megabyte or a row, and each takes eight bytes.
 const TIFF_HEAD: u32 = 1 << 16;
 /// Largest value of an HDR file. Its exponents end at 2^127.
 const LARGEST_HDR: f32 = 1.0e38;

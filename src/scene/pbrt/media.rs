@@ -1,6 +1,7 @@
 //! Media as objects.
 
 use std::collections::{BTreeMap, HashMap};
+use std::mem;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3, UVec3};
@@ -192,7 +193,7 @@ fn nanovdb(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec
         Ok::<_, crate::Error>(found)
     };
     let grid = parameters.text("gridname")?.unwrap_or("density");
-    let density = read(grid, 1)?.ok_or_else(|| {
+    let mut density = read(grid, 1)?.ok_or_else(|| {
         entity.error(format!("the grid file `{}` has no grid `{}`; give a `gridname`", brief(name), brief(grid)))
     })?;
     let temperature = read(parameters.text("temperaturename")?.unwrap_or("temperature"), 3)?;
@@ -203,7 +204,7 @@ fn nanovdb(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec
             Grid::new(dense.size, has_colors, values).map_err(|message| entity.error(format!("the grid {message}")))?;
         Ok::<_, crate::Error>(nested(volume_in(&(entity.to_world.matrix * dense.from_unit), grid)))
     };
-    let values = density.values.clone();
+    let values = mem::take(&mut density.values);
     let density = box_of(&density, values, false)?;
     let entries = [("sigma_a", rgb(absorption)), ("sigma_s", rgb(scattering)), ("density", density)];
     let medium = object(Kind::Medium, "heterogeneous", entries);
