@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
-from . import principled, subsurface, volumes, xml
+from . import facets, principled, subsurface, volumes, xml
 from .images import Images, Texture
 from .nodes import Color, Reader, Surroundings
 from .report import Report
@@ -339,8 +339,20 @@ class _Translator:
 
     def _glossy(self, node: Any, groups: Groups) -> Closure:
         element = self._facets("roughconductor", "conductor", node, groups)
-        parameter(self.images, element, "specular_reflectance", self.reader.color(node.inputs["Color"], groups))
+        self._whitened(element, self.reader.color(node.inputs["Color"], groups), node, groups)
         return Closure(self.relief(two_sided(element), node, groups))
+
+    def _whitened(self, element: xml.Element, color: Union[Color, Texture], node: Any, groups: Groups) -> xml.Element:
+        """Metal with a color that reflects as much light as in Cycles."""
+        roughness = self.reader.scalar(node.inputs["Roughness"], groups)
+        found = None
+        if element.get("type") == "roughconductor" and not any(isinstance(v, Texture) and v.attribute for v in (color, roughness)):
+            base, rough = (self.reader.as_program(v) if isinstance(v, Texture) else v for v in (color, roughness))
+            is_beckmann = node.distribution == "BECKMANN"
+            found = facets.metal(self.images.graph, base, rough, is_beckmann, node.distribution == "MULTI_GGX")
+        if found is not None:
+            color = Texture(program=found[0], factor=(found[1],) * 3)
+        return parameter(self.images, element, "specular_reflectance", color)
 
     def _metallic(self, node: Any, groups: Groups) -> Closure:
         if node.fresnel_type == "PHYSICAL_CONDUCTOR":
@@ -366,9 +378,19 @@ class _Translator:
             return Closure(self.clear(color))
         element = self._facets("roughdielectric", "dielectric", node, groups)
         xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
-        parameter(self.images, element, "specular_reflectance", color)
-        parameter(self.images, element, "specular_transmittance", color)
+        reflected, transmitted = self._whole_glass(element, color, ior, node, groups)
+        parameter(self.images, element, "specular_reflectance", reflected)
+        parameter(self.images, element, "specular_transmittance", transmitted)
         return Closure(self.relief(element, node, groups))
+
+    def _whole_glass(self, element: xml.Element, color: Union[Color, Texture], ior: float, node: Any, groups: Groups) -> Any:
+        """Colors of what glass reflects and transmits, by which it sheds as much light as in Cycles."""
+        roughness = self.reader.scalar(node.inputs["Roughness"], groups)
+        if element.get("type") != "roughdielectric" or isinstance(color, Texture) or isinstance(roughness, Texture):
+            return color, color
+        is_beckmann = node.distribution == "BECKMANN"
+        found = facets.glass(self.images.graph, color, roughness, ior, is_beckmann, node.distribution == "MULTI_GGX")
+        return (color, color) if found is None else [Texture(program=each, factor=(most,) * 3) for each, most in found]
 
     def _refraction(self, node: Any, groups: Groups) -> Closure:
         self.reader.warn("Refraction BSDF is rendered as glass, which also reflects")

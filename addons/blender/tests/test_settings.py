@@ -367,6 +367,44 @@ def displaced() -> Any:
     return scene
 
 
+def white_room(*surfaces: Callable[[], Any]) -> Any:
+    """Balls side by side in a white world. `surfaces` make their materials."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -4, 0), (0, 0, 0))
+    scenes.world(scene, (1, 1, 1))
+    for at, surface in enumerate(surfaces):
+        scenes.ball(scene, f"ball {at}", 0.48, surface(), location=(at - 0.5 * (len(surfaces) - 1), 0, 0))
+    return scene
+
+
+def faceted(kind: str, distribution: str, texture: str = "", **inputs: Any) -> Callable[[], Any]:
+    """Maker of a rough surface, of which a gradient gives one socket."""
+
+    def build(tree: Any) -> Any:
+        node = scenes.shader(tree, kind, **inputs)
+        node.distribution = distribution
+        if texture:
+            place, gradient = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeTexGradient")
+            tree.links.new(place.outputs["UV"], gradient.inputs["Vector"])
+            tree.links.new(gradient.outputs["Color"], node.inputs[texture])
+        return node.outputs[0]
+
+    return lambda: scenes.material("rough", build)
+
+
+def rough_metals() -> Any:
+    glossy = "ShaderNodeBsdfAnisotropic"
+    inputs = dict(Color=(0.9, 0.5, 0.1), Roughness=0.6)
+    kinds = (("MULTI_GGX", ""), ("MULTI_GGX", "Color"), ("MULTI_GGX", "Roughness"), ("BECKMANN", ""))
+    return white_room(*(faceted(glossy, kind, texture, **inputs) for kind, texture in kinds))
+
+
+def rough_glass() -> Any:
+    kinds = (("MULTI_GGX", 1.5), ("GGX", 1.5), ("BECKMANN", 0.85))
+    return white_room(*(faceted("ShaderNodeBsdfGlass", kind, Color=(0.9, 0.7, 0.3), Roughness=0.6, IOR=ior) for kind, ior in kinds))
+
+
 # Scene, largest deviation of a block mean, and of the whole mean; `no_material` has Disney's diffuse base (docs/blender.md).
 ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (portal, 0.03, 0.01),
@@ -396,6 +434,8 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (values_as_shaders, 0.03, 0.01),
     (emission_by_image, 0.03, 0.01),
     (displaced, 0.03, 0.01),
+    (rough_metals, 0.02, 0.003),
+    (rough_glass, 0.02, 0.003),
 ]
 if "normalize" in bpy.types.Light.bl_rna.properties:
     ROWS.append((unnormalized_lamps, 0.03, 0.01))
