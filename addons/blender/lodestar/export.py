@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
 
-from . import camera, falloff, lights, materials, motion, unsupported, volumes, world, xml
+from . import camera, falloff, lights, materials, motion, suns, unsupported, volumes, world, xml
 from .enclosures import Body, Box, Enclosures
 from .grids import Grids
 from .hashes import number_of_object
@@ -76,6 +76,9 @@ class _Exporter:
         self.visible_lamps: list[tuple[Any, xml.Course, list[xml.Element]]] = []
         # Lamps for which points stand, with those points and the disks that may take their place.
         self.soft_lamps: list[tuple[falloff.SoftLamp, list[xml.Element], list[xml.Element]]] = []
+        # Suns with an angle, and emitters of lamps that rays of surfaces do not find in Cycles.
+        self.suns: list[suns.Sun] = []
+        self.unfound: set[int] = set()
         self.surfaces_emit = self.has_glass = False
         # Objects through which light passes.
         self.clear_objects: set[str] = set()
@@ -104,6 +107,7 @@ class _Exporter:
         definitions = [self._definition(name) for name in self.materials]
         self._soften_lamps(definitions)
         hides = self._hides_emitters(scene, environment)
+        environment = self._with_suns(scene, environment, definitions, hides)
         media = self.enclosures.elements
         integrator = xml.add(xml.plugin("integrator", "volpath" if media else "path"), "max_depth", self.options.max_depth)
         if media and self.options.max_depth >= 0:
@@ -162,6 +166,11 @@ class _Exporter:
         emitters = lights.export(owner.data, course, owner.name, self.report, owner.visible_camera)
         unsupported.report_object(owner, self.report)
         self.emitters.extend(emitters)
+        if not suns.has_multiple_importance(owner.data):
+            self.unfound.update(map(id, emitters))
+        sun = suns.sun(owner.data, course.matrix, emitters)
+        if sun is not None:
+            self.suns.append(sun)
         soft = falloff.soft_lamp(owner, course.matrix.translation)
         if soft is not None and emitters:
             self.soft_lamps.append((soft, emitters, lights.disks(owner.data, course, owner.name, self.report)))
@@ -238,14 +247,14 @@ class _Exporter:
 
     def _volume_within(self, owner: Any, keys: list[str]) -> Optional[Volume]:
         """Volume of an object's materials; None where no side of its surfaces needs a medium."""
-        found = [volume for volume in (self.materials[key].volume for key in keys) if volume is not None and not volume.is_empty]
-        if not found:
+        used = [material for material in (self.materials[key] for key in keys) if material.volume is not None and not material.volume.is_empty]
+        if not used:
             return None
-        if any(modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN" for modifier in owner.modifiers):
+        if used[0].asks_for_smoke and any(modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN" for modifier in owner.modifiers):
             message = "smoke of a fluid domain is not supported; its volume is left out. Export it as a .vdb file for a Volume object"
             self.report.warn(f'object "{owner.name}"', message)
             return None
-        return found[0]
+        return used[0].volume
 
     def _sides(self, key: str, around: Volume, body: Body) -> list[xml.Element]:
         """References to the media on the sides of a surface of a body."""
@@ -354,6 +363,20 @@ class _Exporter:
                 self._hide_lamp(owner, course, emitters)
         return False
 
+    def _with_suns(
+        self, scene: Any, environment: Optional[xml.Element], definitions: list[xml.Element], hides: bool
+    ) -> Optional[xml.Element]:
+        """Environment with the suns, where surfaces show them, it has one color, and the camera does not see the suns."""
+        shows = self.has_glass or any(falloff.is_mirror(bsdf) for each in definitions for bsdf in each.iter("bsdf"))
+        color = world.constant_color(environment)
+        if not self.suns or not shows or color is None:
+            return environment
+        if not hides and any(suns.is_in_view(sun, self.camera, scene) for sun in self.suns):
+            return environment
+        moved = {id(emitter) for sun in self.suns for emitter in sun.emitters}
+        self.emitters = [each for each in self.emitters if id(each) not in moved]
+        return world.of_picture(self.images.written(suns.picture(color, self.suns)))
+
     def _hide_lamp(self, owner: Any, course: xml.Course, emitters: list[xml.Element]) -> None:
         """Keeps the camera from seeing a lamp, where it sees other emitters."""
         points = lights.points(owner.data, course, emitters)
@@ -365,8 +388,9 @@ class _Exporter:
         self.report.warn(f'light "{owner.name}"', message)
 
     def _report_light_through_surfaces(self) -> None:
-        # In Cycles, too, a lamp without size is not found through glass. The parts of a lamp that has a size have weights.
-        weights = [float(child.get("value", "1")) for e in self.emitters for child in e if child.get("name") == "sampling_weight"]
+        # In Cycles, too, a lamp without size or without Multiple Importance is not found through glass. The parts of a lamp that has a size have weights.
+        found = [each for each in self.emitters if id(each) not in self.unfound]
+        weights = [float(child.get("value", "1")) for each in found for child in each if child.get("name") == "sampling_weight"]
         if self.has_glass and any(weight < 1.0 for weight in weights):
             message = "light of suns with an angle, and of lamps for which points stand, does not pass glass"
             self.report.warn("scene", message)

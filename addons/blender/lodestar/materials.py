@@ -10,7 +10,7 @@ from typing import Any, Optional, Union
 
 from . import facets, principled, subsurface, volumes, xml
 from .images import Images, Texture
-from .nodes import Color, Reader, Surroundings
+from .nodes import OF_EEVEE, Color, Reader, Surroundings
 from .report import Report
 from .volumes import Volume
 
@@ -48,6 +48,7 @@ class Material:
     asks_for_scale: bool = False  # whether it differs between scales of objects
     volume: Optional[Volume] = None  # within the object
     below: Optional[Volume] = None  # below the surface, in the place of the volume
+    asks_for_smoke: bool = False  # whether the volume may take grids of a fluid domain
 
     @property
     def is_opaque(self) -> bool:
@@ -96,6 +97,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         reader.asks_for_scale,
         volume,
         closure.below,
+        output is not None and volumes.asks_for_grids(output.inputs["Volume"]),
     )
 
 
@@ -235,6 +237,9 @@ class _Translator:
         return handler(source.node, source.groups) if handler else self._unknown(source.node, source.groups)
 
     def _unknown(self, node: Any, groups: Groups) -> Closure:
+        if node.type in OF_EEVEE:
+            self.reader.unsupported(node, "the surface")
+            return Closure(diffuse(self.images, BLACK))
         color = node.inputs.get("Color")
         self.reader.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; a diffuse surface of its color is rendered')
         return Closure(diffuse(self.images, self.reader.color(color, groups) if color is not None else DEFAULT))

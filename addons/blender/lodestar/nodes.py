@@ -16,6 +16,8 @@ Color = tuple[float, float, float]
 Value = Union[float, Color, Texture]
 # Types of nodes of which each output is a quantity of its own.
 QUANTITIES = {"TEX_COORD", "NEW_GEOMETRY", "OBJECT_INFO", "CAMERA"}
+# Types of nodes that EEVEE alone knows. In Cycles, a socket that they are linked to takes its default value.
+OF_EEVEE = {"SHADERTORGB", "EEVEE_SPECULAR"}
 
 
 class Source(NamedTuple):
@@ -120,6 +122,9 @@ class Reader:
         named = f'the node "{node.name}" ({node.bl_label})'
         if output is not None and node.type in QUANTITIES:
             named = f"the output {output.name} of {named}"
+        if node.type in OF_EEVEE:
+            self.report.note(self.place, f"{named} is EEVEE's alone; {use} takes its default value, as in Cycles")
+            return
         self.warn(f"{named} is not supported; {use} takes its default value")
 
     # --------------------------------------------------------------------------------------------------- values

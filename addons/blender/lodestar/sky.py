@@ -101,7 +101,12 @@ def _add_sun(colors: np.ndarray, sky: Sky, model: Model) -> None:
     # The irradiances of the ends are those of a disk that is as bright everywhere.
     light = color((bottom + share * (top - bottom)) * limb[:, None] * (sky.intensity / SUN_POINTS))
     light[elevation <= _horizon(sky.air.altitude)] = 0.0
-    column = ((np.arctan2(side, x) + sky.rotation) / (2.0 * math.pi) + 0.25) * WIDTH - 0.5
+    add_light(colors, np.arctan2(side, x) + sky.rotation, elevation, light)
+
+
+def add_light(colors: np.ndarray, azimuth: np.ndarray, elevation: np.ndarray, light: np.ndarray) -> None:
+    """Adds light from some directions to a picture of the sky: the irradiance of each goes to the four texels around it."""
+    column = (azimuth / (2.0 * math.pi) + 0.25) * WIDTH - 0.5
     row = (0.5 - elevation / math.pi) * (HEIGHT - 1)
     i, j = np.floor(column).astype(int), np.floor(row).astype(int)
     solid_angles = _solid_angles()

@@ -98,6 +98,25 @@ def translate(reader: Reader, socket: Any, grids: Optional[Grids]) -> Optional[V
     return _Translator(reader, grids).shader(socket, ())
 
 
+# Nodes of volumes whose values are constants, whatever grids the object has.
+EVEN = {
+    "VOLUME_ABSORPTION", "VOLUME_SCATTER", "VOLUME_COEFFICIENTS", "EMISSION", "MIX_SHADER", "ADD_SHADER", "RGB", "VALUE", "REROUTE",
+}  # fmt: skip
+
+
+def asks_for_grids(socket: Any) -> bool:
+    """Whether nodes that lead to a socket may ask for grids of the object."""
+    open_, seen = [socket], set()
+    while open_:
+        for link in open_.pop().links:
+            if link.from_node.type not in EVEN:
+                return True
+            if link.from_node.name not in seen:
+                seen.add(link.from_node.name)
+                open_.extend(link.from_node.inputs)
+    return False
+
+
 @dataclass
 class _Translator:
     reader: Reader

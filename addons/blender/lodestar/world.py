@@ -67,6 +67,22 @@ def _constant(color: tuple[float, ...]) -> Optional[xml.Element]:
     return xml.add(xml.plugin("emitter", "constant"), "radiance", color)
 
 
+def constant_color(environment: Optional[xml.Element]) -> Optional[tuple[float, ...]]:
+    """Color of a world that has one color; None where it has more."""
+    if environment is None:
+        return (0.0, 0.0, 0.0)
+    if environment.get("type") != "constant":
+        return None
+    return tuple(float(channel) for channel in next(child.get("value", "") for child in environment).split())
+
+
+def of_picture(path: str) -> xml.Element:
+    """Emitter of a picture as Sky Textures have it."""
+    from mathutils import Matrix
+
+    return _picture(path, 1.0, Matrix.Identity(3))
+
+
 def _environment(node: Any, groups: tuple[Any, ...], strength: float, reader: Reader) -> Optional[xml.Element]:
     """`envmap` of an Environment Texture; None where it cannot be translated."""
     image = node.image

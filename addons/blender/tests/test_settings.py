@@ -330,6 +330,44 @@ def spot_with_radius() -> Any:
     return scene
 
 
+def suns_behind_glass() -> Any:
+    """Suns beside the picture: glass lets the light of the one with Multiple Importance pass, and a mirror shows that one."""
+    scene = base((0.2, 0.3, 0.4))
+    scene.objects["ball"].data.materials[0] = scenes.simple("glass", "ShaderNodeBsdfGlass", Roughness=0.0, IOR=1.3)
+    mirror = scenes.simple("mirror", "ShaderNodeBsdfAnisotropic", Roughness=0.0)
+    scenes.plane(scene, "mirror", 1.5, mirror, location=(-1.8, 0.5, 0.8), rotation=(0.9, 0.5, 0.0))
+    lamp(scene, "SUN", 2.0, rotation=(0.5, 0.4, 0.0), angle=0.5)
+    lamp(scene, "SUN", 1.0, rotation=(-0.5, 0.4, 0.0), angle=0.4).data.cycles.use_multiple_importance_sampling = False
+    return scene
+
+
+def nodes_of_eevee() -> Any:
+    """Shader to RGB, before a color, behind a ramp and in the place of a shader, and the Specular BSDF of EEVEE: Cycles knows neither."""
+
+    def surface(kind: str) -> Any:
+        def build(tree: Any) -> Any:
+            if kind == "specular":
+                return tree.nodes.new("ShaderNodeEeveeSpecular").outputs[0]
+            made = tree.nodes.new("ShaderNodeShaderToRGB").outputs["Color"]
+            if kind == "ramp":
+                ramp = tree.nodes.new("ShaderNodeValToRGB")
+                ramp.inputs[0].default_value = 0.25
+                tree.links.new(made, ramp.inputs[0])
+                made = ramp.outputs[0]
+            if kind == "surface":
+                return made
+            node = scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.8, 0.4, 0.2))
+            tree.links.new(made, node.inputs["Color"])
+            return node.outputs[0]
+
+        return scenes.material(kind, build)
+
+    scene = from_above(lambda: surface("color"))
+    for at, kind in enumerate(("ramp", "surface", "specular")):
+        scenes.plane(scene, kind, 0.5, surface(kind), location=(0.6 * at - 0.6, 0, 0.1))
+    return scene
+
+
 def displaced() -> Any:
     """Displacement as relief, of an object that is scaled, alone and over a bump map; and a normal map whose image is missing."""
     scene = scenes.empty()
@@ -434,6 +472,8 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (values_as_shaders, 0.03, 0.01),
     (emission_by_image, 0.03, 0.01),
     (displaced, 0.03, 0.01),
+    (suns_behind_glass, 0.03, 0.01),
+    (nodes_of_eevee, 0.02, 0.005),
     (rough_metals, 0.02, 0.003),
     (rough_glass, 0.02, 0.003),
 ]
@@ -603,7 +643,9 @@ def test_missing_images_are_noted(tmp_path: Path) -> None:
         ("POINT", dict(shadow_soft_size=0.0), False),
         ("SPOT", dict(shadow_soft_size=0.0), False),
         ("SUN", dict(angle=0.0), False),
-        ("SUN", dict(angle=0.01), True),
+        # The sun is a disk of the environment, unless it stands in the picture.
+        ("SUN", dict(angle=0.01), False),
+        ("SUN", dict(angle=0.01, rotation=(-1.75, 0.0, 0.0)), True),
         ("SPOT", dict(shadow_soft_size=0.2, use_soft_falloff=False), True),
     ],
 )
@@ -681,6 +723,28 @@ def test_rounded_matrices_end_in_1(tmp_path: Path) -> None:
     ball.matrix_parent_inverse = rounded
     assert bpy.context.evaluated_depsgraph_get().id_eval_get(ball).matrix_world[3][3] != 1.0
     assert all(matrix[12:] == [0.0, 0.0, 0.0, 1.0] for matrix in matrices(exported(tmp_path)))
+
+
+def test_nodes_of_eevee_are_notes(tmp_path: Path) -> None:
+    """What Cycles does not know either is no warning."""
+    nodes_of_eevee()
+    report = exported(tmp_path).report
+    assert not report.warnings and sum("as in Cycles" in note for note in report.notes) == 4
+
+
+@pytest.mark.parametrize("kind,has_warning", [("ShaderNodeVolumeAbsorption", False), ("ShaderNodeVolumePrincipled", True)])
+def test_smoke_is_reported_where_a_volume_may_ask_for_it(tmp_path: Path, kind: str, has_warning: bool) -> None:
+    """The absorption of a fluid domain is the same everywhere, unless its density is a grid."""
+    scene = base()
+    ball = scene.objects["ball"]
+    tree = ball.data.materials[0].node_tree
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    tree.links.new(tree.nodes.new(kind).outputs[0], output.inputs["Volume"])
+    modifier = ball.modifiers.new("smoke", "FLUID")
+    modifier.fluid_type, modifier.show_render, modifier.show_viewport = "DOMAIN", False, False
+    found = exported(tmp_path)
+    assert any("smoke" in warning for warning in found.report.warnings) == has_warning
+    assert ("<medium" in found.scene_file.read_text()) != has_warning
 
 
 def test_cameras_of_no_size_are_refused(tmp_path: Path) -> None:
