@@ -247,7 +247,8 @@ class _Exporter:
 
     def _volume_within(self, owner: Any, keys: list[str]) -> Optional[Volume]:
         """Volume of an object's materials; None where no side of its surfaces needs a medium."""
-        used = [material for material in (self.materials[key] for key in keys) if material.volume is not None and not material.volume.is_empty]
+        materials_ = (self.materials[key] for key in keys)
+        used = [each for each in materials_ if each.volume is not None and not each.volume.is_empty]
         if not used:
             return None
         if used[0].asks_for_smoke and any(modifier.type == "FLUID" and modifier.fluid_type == "DOMAIN" for modifier in owner.modifiers):

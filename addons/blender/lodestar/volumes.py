@@ -99,7 +99,7 @@ def translate(reader: Reader, socket: Any, grids: Optional[Grids]) -> Optional[V
 
 
 # Nodes of volumes whose values are constants, whatever grids the object has.
-EVEN = {
+WITHOUT_GRIDS = {
     "VOLUME_ABSORPTION", "VOLUME_SCATTER", "VOLUME_COEFFICIENTS", "EMISSION", "MIX_SHADER", "ADD_SHADER", "RGB", "VALUE", "REROUTE",
 }  # fmt: skip
 
@@ -109,7 +109,7 @@ def asks_for_grids(socket: Any) -> bool:
     open_, seen = [socket], set()
     while open_:
         for link in open_.pop().links:
-            if link.from_node.type not in EVEN:
+            if link.from_node.type not in WITHOUT_GRIDS:
                 return True
             if link.from_node.name not in seen:
                 seen.add(link.from_node.name)
