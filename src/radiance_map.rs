@@ -12,7 +12,7 @@ use crate::image::Image;
 use crate::image::false_color::false_color;
 use crate::math::direction_map::{bin_center, bin_point};
 use crate::renderer::Renderer;
-use crate::scene::{Camera, Crop, FovAxis, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene};
+use crate::scene::{Camera, Crop, FovAxis, Projection, ReconstructionFilter, Scene};
 use crate::settings::{MAX_FILM_SIDE, Sampler, Settings};
 use crate::{Error, Result};
 
@@ -128,7 +128,7 @@ impl MappedScene<'_> {
         let eye = point.position + offset * point.normal;
         // Emitter sampling reduces the noise and keeps the expected value.
         let unguided = Settings { nee: true, ..plain(settings, side, side) };
-        let in_view = with_lamps_in_view(self.scene);
+        let in_view = with_all_in_view(self.scene);
         let hierarchy = in_view.as_ref().map(Bvh::of_scene);
         let place = match (&in_view, &hierarchy) {
             (Some(scene), Some(bvh)) => MappedScene { scene, bvh, ..*self },
@@ -161,18 +161,15 @@ const FACES: [[Vec3; 3]; 6] = [
     [Vec3::NEG_X, Vec3::Y, Vec3::NEG_Z],
 ];
 
-/// The scene with all lamps in view of a camera, which stands for a surface that they light; `None` where no lamp hides.
-fn with_lamps_in_view(scene: &Scene) -> Option<Scene> {
-    let hides = |primitive: &Primitive| primitive.shape == PrimitiveShape::FacingDisk { unseen: true };
+/// The scene with all shapes in view of a camera, which stands for a surface that they light; `None` where no shape hides.
+fn with_all_in_view(scene: &Scene) -> Option<Scene> {
     let of_groups = scene.groups.iter().flat_map(|group| &group.primitives);
-    if !scene.primitives.iter().chain(of_groups).any(hides) {
+    if !scene.primitives.iter().chain(of_groups).any(|primitive| primitive.unseen) {
         return None;
     }
     let mut scene = scene.clone();
     let of_groups = scene.groups.iter_mut().flat_map(|group| &mut group.primitives);
-    for primitive in scene.primitives.iter_mut().chain(of_groups).filter(|primitive| hides(primitive)) {
-        primitive.shape = PrimitiveShape::FacingDisk { unseen: false };
-    }
+    scene.primitives.iter_mut().chain(of_groups).for_each(|primitive| primitive.unseen = false);
     Some(scene)
 }
 

@@ -130,6 +130,12 @@ impl Bvh {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_FRONT_ONLY != 0)
     }
 
+    /// Whether the camera does not see some primitive, other than disks that face what they light.
+    pub fn has_unseen(&self) -> bool {
+        let mask = constants::PRIMITIVE_UNSEEN | constants::PRIMITIVE_FACING;
+        self.surfaces().any(|(_, record, _)| record.flags & mask == constants::PRIMITIVE_UNSEEN)
+    }
+
     /// Largest absolute coordinate of the scene. Rounding errors of positions are proportional to it.
     pub fn largest_coordinate(&self) -> f32 {
         largest_coordinate(self.bounds)
@@ -265,24 +271,22 @@ fn primitive_record(p: &Primitive) -> PrimitiveRecord {
         PrimitiveShape::Parallelogram => constants::SHAPE_PARALLELOGRAM,
         PrimitiveShape::Disk => constants::SHAPE_DISK,
         PrimitiveShape::Sphere => constants::SHAPE_SPHERE,
-        PrimitiveShape::FacingDisk { unseen: false } => constants::SHAPE_SPHERE | constants::PRIMITIVE_FACING,
-        PrimitiveShape::FacingDisk { unseen: true } => {
-            constants::SHAPE_SPHERE | constants::PRIMITIVE_FACING | constants::PRIMITIVE_UNSEEN
-        }
+        PrimitiveShape::FacingDisk => constants::SHAPE_SPHERE | constants::PRIMITIVE_FACING,
     };
     let flip = if p.flip_normal { constants::PRIMITIVE_FLIP_NORMAL } else { 0 };
     let normals = if p.normals.is_some() { constants::PRIMITIVE_VERTEX_NORMALS } else { 0 };
     let front_only = p.front_only && !p.shape.is_round();
     let front_only = if front_only { constants::PRIMITIVE_FRONT_ONLY } else { 0 };
+    let unseen = if p.unseen { constants::PRIMITIVE_UNSEEN } else { 0 };
     let longest = match p.shape {
-        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => p.edge_u.length(),
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => p.edge_u.length(),
         _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
     };
     let (plane, large) = plane::equation(p, longest);
     let large = if large { constants::PRIMITIVE_LARGE } else { 0 };
     PrimitiveRecord {
         origin: p.origin.into(),
-        flags: shape | flip | normals | large | front_only,
+        flags: shape | flip | normals | large | front_only | unseen,
         edge_u: p.edge_u.into(),
         edge_tolerance: longest,
         edge_v: p.edge_v.into(),
@@ -357,6 +361,7 @@ mod tests {
             uvs: Default::default(),
             flip_normal: false,
             front_only: false,
+            unseen: false,
             material: 0,
             emitter: None,
         }

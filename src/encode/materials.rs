@@ -106,6 +106,8 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         | bit(surface.bsdf.is_anisotropic(), constants::FEATURE_TANGENTS)
         | bit(has_facets && flags & constants::MATERIAL_GGX == 0, constants::FEATURE_BECKMANN)
         | bit(flags & constants::MATERIAL_SMOOTH_BASE != 0, constants::FEATURE_SMOOTH_BASE)
+        | bit(flags & constants::MATERIAL_WEIGHTED_BASE != 0, constants::FEATURE_WEIGHTED_BASE)
+        | bit(flags & constants::MATERIAL_ENERGY_PRESERVING != 0, constants::FEATURE_ENERGY_PRESERVING)
 }
 
 /// Record that starts empty and takes parameters one by one.

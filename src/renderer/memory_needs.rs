@@ -169,6 +169,7 @@ mod tests {
             uvs: [Vec2::ONE; 3],
             flip_normal: false,
             front_only: false,
+            unseen: false,
             material: 0,
             emitter: None,
         };

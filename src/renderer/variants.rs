@@ -28,6 +28,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
         has_front_only: bvh.has_front_only(),
+        has_unseen: bvh.has_unseen(),
         has_instances: bvh.has_instances(),
         has_placed_spheres: bvh.has_placed_spheres(),
         has_facing_disks: bvh.has_facing_disks(),

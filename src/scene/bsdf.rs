@@ -155,6 +155,8 @@ kinds! {
             alpha: Textured<f32> => ROUGH_DIFFUSE_ALPHA,
             /// Whether the qualitative model without interreflection is used.
             fast_approximation: bool => MATERIAL_FAST_APPROXIMATION,
+            /// Whether the energy-preserving model is used (Portsmouth, Kutz and Hill 2024), whose `alpha` is a roughness from 0 to 1.
+            energy_preserving: bool => MATERIAL_ENERGY_PRESERVING,
         };
         /// Smooth dielectric.
         Dielectric = "dielectric", BSDF_DIELECTRIC {
@@ -216,6 +218,10 @@ kinds! {
             specular_reflectance: Textured<Vec3> => PLASTIC_SPECULAR_REFLECTANCE,
             /// Whether color shifts by internal scattering are kept.
             nonlinear: bool => MATERIAL_NONLINEAR,
+            /// Whether the layer takes no light from the base, of which `base_weight` says how much is left.
+            weighted_base: bool => MATERIAL_WEIGHTED_BASE,
+            /// Factor of the base's albedo, in [0, 1]; it counts with a weighted base only.
+            base_weight: Textured<f32> => PLASTIC_BASE_WEIGHT,
         };
         /// Rough dielectric layer over a diffuse base.
         RoughPlastic = "roughplastic", BSDF_ROUGH_PLASTIC {
@@ -243,6 +249,10 @@ kinds! {
             diffuse_reflectance: Textured<Vec3> => PLASTIC_DIFFUSE_REFLECTANCE,
             /// Factor of the light that the surface reflects.
             specular_reflectance: Textured<Vec3> => PLASTIC_SPECULAR_REFLECTANCE,
+            /// Whether the surface takes no light from the base, of which `base_weight` says how much is left.
+            weighted_base: bool => MATERIAL_WEIGHTED_BASE,
+            /// Factor of the base's albedo, in [0, 1]; it counts with a weighted base only.
+            base_weight: Textured<f32> => PLASTIC_BASE_WEIGHT,
         };
         /// Principled BSDF (Burley 2012, 2015) as in Mitsuba; every parameter but `eta` lies in [0, 1].
         Principled(principled: Principled) = "principled", BSDF_PRINCIPLED | MATERIAL_GGX;

@@ -122,7 +122,7 @@ impl Scene {
         let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
         let null = self.add_material(SurfaceMaterial { opacity, ..SurfaceMaterial::plain(black) });
         self.add_sphere(center, radius, Surface { emitter: Some(self.emitters.len() as u32 - 1), ..null });
-        let shape = PrimitiveShape::FacingDisk { unseen: false };
+        let shape = PrimitiveShape::FacingDisk;
         self.primitives.last_mut().expect("the sphere").shape = shape;
     }
 
@@ -249,6 +249,7 @@ fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3, su
         uvs,
         flip_normal: false,
         front_only: false,
+        unseen: false,
         material,
         emitter,
     }

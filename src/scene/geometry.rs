@@ -28,6 +28,8 @@ pub struct Primitive {
     pub flip_normal: bool,
     /// Whether rays that meet a flat shape from behind pass. The shading normal is on the front. Spheres are solid.
     pub front_only: bool,
+    /// Whether rays that come straight from the camera pass it.
+    pub unseen: bool,
     /// Index into `Scene::materials`.
     pub material: u32,
     /// Index into `Scene::emitters`; `None` where the primitive does not emit.
@@ -46,16 +48,13 @@ pub enum PrimitiveShape {
     /// Sphere: all points at the distance `length(edge_u)` from `origin`.
     Sphere,
     /// Disk of the radius `length(edge_u)` about `origin` that faces the point which it lights. Its axes are those of a sphere.
-    FacingDisk {
-        /// Whether rays that come straight from the camera pass it.
-        unseen: bool,
-    },
+    FacingDisk,
 }
 
 impl PrimitiveShape {
     /// Whether the shape is a sphere, or a disk that may be turned to any side.
     pub fn is_round(self) -> bool {
-        matches!(self, Self::Sphere | Self::FacingDisk { .. })
+        matches!(self, Self::Sphere | Self::FacingDisk)
     }
 }
 
@@ -69,7 +68,7 @@ impl Primitive {
             }
             PrimitiveShape::Parallelogram => self.edge_u.abs() + self.edge_v.abs(),
             PrimitiveShape::Disk => (self.edge_u * self.edge_u + self.edge_v * self.edge_v).map(f32::sqrt),
-            PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => Vec3::splat(self.edge_u.length()),
+            PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => Vec3::splat(self.edge_u.length()),
         };
         (self.origin - half, self.origin + half)
     }

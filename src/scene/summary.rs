@@ -120,7 +120,6 @@ pub fn summarize(scene: &Scene) -> Summary {
     let of_groups = scene.groups.iter().flat_map(|group| &group.primitives);
     let stored = scene.primitives.iter().chain(of_groups);
     let count = |shape| stored.clone().filter(|primitive| primitive.shape == shape).count();
-    let facing = |unseen| PrimitiveShape::FacingDisk { unseen };
     let record_bytes = size_of::<PrimitiveRecord>() + size_of::<AttributeRecord>();
     let bytes = |image| 4 * word_count(image);
     Summary {
@@ -135,7 +134,7 @@ pub fn summarize(scene: &Scene) -> Summary {
         shown_primitives: scene.shown_primitives(),
         geometry_bytes: ((scene.stored_primitives() + scene.instances.len()) * record_bytes) as u64,
         parallelograms: count(PrimitiveShape::Parallelogram),
-        disks: [PrimitiveShape::Disk, facing(false), facing(true)].map(count).iter().sum(),
+        disks: [PrimitiveShape::Disk, PrimitiveShape::FacingDisk].map(count).iter().sum(),
         spheres: count(PrimitiveShape::Sphere),
         materials: scene.materials.iter().map(material).collect(),
         lights: lights(scene),

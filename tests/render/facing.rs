@@ -25,7 +25,7 @@ fn room(lamp_radius: f32) -> Scene {
     let gray = scene.add_diffuse([0.5; 3]);
     scene.add_sphere([0.0; 3], 1.0, gray);
     scene.add_facing_disk([0.0; 3], lamp_radius, [RADIANCE as f32; 3]);
-    scene.primitives[1].shape = PrimitiveShape::FacingDisk { unseen: true };
+    scene.primitives[1].unseen = true;
     scene
 }
 
@@ -95,7 +95,7 @@ fn a_lamp_hides_from_the_camera_alone() {
     for (unseen, expected) in [(false, RADIANCE), (true, 0.0)] {
         let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 4.0], [0.0; 3], 10.0), 16, 16);
         scene.add_facing_disk([0.0; 3], 1.0, [RADIANCE as f32; 3]);
-        scene.primitives[0].shape = PrimitiveShape::FacingDisk { unseen };
+        scene.primitives[0].unseen = unseen;
         let (mean, _) = mean_of(&device, &scene, 61, 4, |_| {});
         assert!((mean - expected).abs() < 1.0e-5, "unseen: {unseen}: {mean}, not {expected}");
     }
@@ -108,7 +108,7 @@ fn the_true_radiance_has_hidden_lamps() {
     let point = SurfacePoint { position: vec3(0.0, -0.9, 0.0), normal: Vec3::Y };
     let brightest = |unseen: bool| {
         let mut scene = room(0.5);
-        scene.primitives[1].shape = PrimitiveShape::FacingDisk { unseen };
+        scene.primitives[1].unseen = unseen;
         let bvh = Bvh::of_scene(&scene);
         let settings = Settings { directions: 16, ..Settings::for_scene(&scene) };
         let place = MappedScene { context: device.context(), scene: &scene, bvh: &bvh };

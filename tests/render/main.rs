@@ -38,6 +38,7 @@ mod scales;
 mod significance;
 mod teams;
 mod traversal;
+mod unseen;
 mod variance;
 mod weights;
 mod ztest;

@@ -332,7 +332,7 @@ fn lamp_over_floor(shape: PrimitiveShape, size: f32, height: f32) -> (Scene, f64
     };
     match shape {
         PrimitiveShape::Sphere => scene.add_sphere(center, size, lamp),
-        PrimitiveShape::FacingDisk { .. } => scene.add_facing_disk(center, size, radiance),
+        PrimitiveShape::FacingDisk => scene.add_facing_disk(center, size, radiance),
         _ => add_flat(&mut scene, lamp),
     }
     let squared = 1.02;
@@ -341,7 +341,7 @@ fn lamp_over_floor(shape: PrimitiveShape, size: f32, height: f32) -> (Scene, f64
         PrimitiveShape::Parallelogram => 4.0 / std::f64::consts::PI * cosine,
         PrimitiveShape::Disk => cosine,
         // The disk is as wide as the sphere from everywhere, but not far.
-        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => 1.0,
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => 1.0,
         PrimitiveShape::Triangle => 0.5 / std::f64::consts::PI * cosine,
     };
     (scene, area * cosine / squared)
@@ -353,7 +353,7 @@ fn small_far_lamps_are_as_bright_as_they_are() {
 }
 
 fn check_small_far_lamps(device: &Device) {
-    let facing = PrimitiveShape::FacingDisk { unseen: false };
+    let facing = PrimitiveShape::FacingDisk;
     let flat = [PrimitiveShape::Disk, PrimitiveShape::Parallelogram, PrimitiveShape::Triangle];
     for shape in [PrimitiveShape::Sphere, facing].into_iter().chain(flat) {
         for (size, height) in [(0.5, 1122.0), (1.0e-4, 10.0), (1.0e-4, 1.0e3), (1.0e-6, 1.0e-3), (10.0, 1.0e6)] {

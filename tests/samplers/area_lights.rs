@@ -23,7 +23,7 @@ fn ball(center: Vec3, radius: f32) -> Primitive {
 }
 
 fn facing(center: Vec3, radius: f32) -> Primitive {
-    Primitive { shape: PrimitiveShape::FacingDisk { unseen: false }, ..ball(center, radius) }
+    Primitive { shape: PrimitiveShape::FacingDisk, ..ball(center, radius) }
 }
 
 /// Lights, and the point that sees them.

@@ -2,7 +2,10 @@
 //! between media, and extreme inputs. `scattering.rs` tests their samples together with those of all other kinds.
 
 use glam::{DVec3, dvec3};
-use lodestar::generated::kernels::{BSDF_WARD, FEATURE_BECKMANN, FEATURE_SMOOTH_BASE, Variant, WARD_BALANCED};
+use lodestar::generated::kernels::{
+    BSDF_WARD, FEATURE_BECKMANN, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE, MATERIAL_WEIGHTED_BASE, Variant,
+    WARD_BALANCED,
+};
 use lodestar::math::microfacet::Microfacets;
 use support::statistics::Numbers;
 use support::substances::{Substance, plastic, substances};
@@ -49,7 +52,14 @@ fn substance(row: &Row) -> Substance {
             let [diffuse_reflectance, specular_reflectance] =
                 ["diffuse_reflectance", "specular_reflectance"].map(|name| row.vector(name));
             let (eta, facets) = (row.number("eta"), facets(row));
-            Substance::PolarizedPlastic(PolarizedPlastic { eta, diffuse_reflectance, specular_reflectance, facets })
+            let base_weight = None;
+            Substance::PolarizedPlastic(PolarizedPlastic {
+                eta,
+                diffuse_reflectance,
+                specular_reflectance,
+                facets,
+                base_weight,
+            })
         }
         kind => panic!("no plugin {kind}"),
     }
@@ -382,10 +392,12 @@ fn kinds_are_the_same_alone() {
     for (name, substance) in substances().iter().step_by(3) {
         let is_beckmann = substance.facets().is_some_and(|facets| !facets.is_ggx);
         let has_smooth_base = matches!(substance, Substance::PolarizedPlastic(_));
+        let has_weighted_base = substance.device().kind_and_flags & MATERIAL_WEIGHTED_BASE != 0;
         let alone = Bench::with(&Variant {
             material_kinds: 1 << (substance.device().kind_and_flags & 0xff),
             surface_features: if is_beckmann { FEATURE_BECKMANN } else { 0 }
-                | if has_smooth_base { FEATURE_SMOOTH_BASE } else { 0 },
+                | if has_smooth_base { FEATURE_SMOOTH_BASE } else { 0 }
+                | if has_weighted_base { FEATURE_WEIGHTED_BASE } else { 0 },
             ..Variant::default()
         });
         let mut one = || {

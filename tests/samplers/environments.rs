@@ -214,6 +214,7 @@ fn lights_are_chosen_by_their_power() {
         uvs: Default::default(),
         flip_normal: false,
         front_only: false,
+        unseen: false,
         material: 0,
         emitter: Some(0),
     };

@@ -35,6 +35,7 @@ fn cells() -> Cells {
         uvs: [Vec2::ONE; 3],
         flip_normal: false,
         front_only: false,
+        unseen: false,
         material: 0,
         emitter: None,
     };

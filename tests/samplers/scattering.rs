@@ -315,6 +315,32 @@ fn most_reflected(bench: &Bench, surface: &Surface) -> (f64, f64) {
     shares.fold((0.0, 0.0), |most, share| if share.0 > most.0 { share } else { most })
 }
 
+/// White surfaces of the energy-preserving model reflect all light, at every roughness. Its mean of what one reflection loses is a fit.
+#[test]
+fn energy_preserving_surfaces_lose_no_light() {
+    let bench = Bench::new();
+    let of_kind =
+        |prefix: &str| surfaces().into_iter().filter(|surface| surface.name.starts_with(prefix)).collect::<Vec<_>>();
+    let shares = |surface: &Surface| {
+        let white = surface.white();
+        let of_incidence = |(wo, seed)| {
+            let samples = draw(&bench, &white, wo, seed);
+            mean_and_error(samples.iter().map(|s| if s.lobe == LOBE_NONE { 0.0 } else { f64::from(s.weight[0]) }))
+        };
+        incidences(&white).into_iter().zip(700..).map(of_incidence).collect::<Vec<_>>()
+    };
+    let loses = |(mean, error): &(f64, f64)| (mean - 1.0).abs() > 2.0e-3 + 4.0 * error;
+    let surfaces = of_kind("energy-preserving diffuse");
+    assert_eq!(surfaces.len(), 3);
+    for surface in &surfaces {
+        let shares = shares(surface);
+        println!("{}: {shares:?}", surface.name);
+        assert!(!shares.iter().any(loses), "{}: {shares:?}", surface.name);
+    }
+    let twin = shares(&of_kind("rough diffuse 1 ")[0]);
+    assert!(twin.iter().any(loses), "the twin, Oren and Nayar's model, loses light: {twin:?}");
+}
+
 /// White surfaces reflect at most the light that arrives. Sheen, clear coat and retro-reflection are added without
 /// regard for energy, so only metal and glass of the principled model are tested. Oren and Nayar's fit itself exceeds 1
 /// by up to 4 % at grazing incidence. The original Ward model and Duer's are not bounded.

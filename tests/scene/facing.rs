@@ -24,11 +24,33 @@ fn a_facing_disk_is_a_sphere_that_light_passes() {
     let scene = read(&format!("{place}<float name='radius' value='0.5'/>{AREA}"));
     let disk = &scene.primitives[0];
     assert_eq!((disk.origin, disk.edge_u.length(), disk.flip_normal), (Vec3::new(-2.0, 0.0, 0.0), 1.0, false));
-    assert_eq!(disk.shape, PrimitiveShape::FacingDisk { unseen: false });
+    assert_eq!(disk.shape, PrimitiveShape::FacingDisk);
     let MaterialKind::Surface(surface) = &scene.materials[disk.material as usize].kind else { panic!("no surface") };
     assert_eq!((surface.opacity, scene.emitters[0].cone), (Textured::constant(0.0), None));
     let hidden = read(&format!("<boolean name='visible_to_camera' value='false'/>{AREA}"));
-    assert_eq!(hidden.primitives[0].shape, PrimitiveShape::FacingDisk { unseen: true });
+    assert!(hidden.primitives[0].unseen && !disk.unseen);
+}
+
+/// Every shape may be invisible to the camera, unless it bounds a medium.
+#[test]
+fn shapes_hide_from_the_camera() {
+    let hidden = "<boolean name='visible_to_camera' value='false'/>";
+    for plugin in ["rectangle", "disk", "cube", "sphere", "cylinder"] {
+        for (inside, unseen) in [("", false), (hidden, true)] {
+            let scene = load_body(&format!("<shape type='{plugin}'>{inside}</shape>")).expect("a scene");
+            assert!(
+                scene.warnings.iter().all(|warning| !warning.contains("visible_to_camera")),
+                "{:?}",
+                scene.warnings
+            );
+            assert!(scene.primitives.iter().all(|primitive| primitive.unseen == unseen), "{plugin}, {inside}");
+        }
+    }
+    let fog = "<medium name='interior' type='homogeneous'/>";
+    refused(
+        &format!("<shape type='sphere'>{hidden}{fog}</shape>"),
+        "bounds a medium cannot be invisible to the camera",
+    );
 }
 
 #[test]

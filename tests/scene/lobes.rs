@@ -105,12 +105,20 @@ fn polarized_plastic() {
         eta: 1.49 / 1.000277,
         diffuse_reflectance: gray(0.5),
         specular_reflectance: gray(1.0),
+        weighted_base: false,
+        base_weight: number(1.0),
     };
     assert_eq!(bsdf("pplastic", ""), expected(Distribution::Beckmann, 0.1, 0.1));
     let given = r#"<string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/>
         <float name="alpha_v" value="0.2"/>"#;
     assert_eq!(bsdf("pplastic", given), expected(Distribution::Ggx, 0.3, 0.2));
     refuse("pplastic", r#"<float name="int_ior" value="1.5"/><float name="ext_ior" value="1.5"/>"#, "differ");
+    // A weight of 1 is not the same as none: the facets take nothing from the base.
+    for weight in [0.25, 1.0] {
+        let read = bsdf("pplastic", &format!(r#"<float name="base_weight" value="{weight}"/>"#));
+        let Bsdf::PolarizedPlastic { weighted_base, base_weight, .. } = read else { panic!("{read:?}") };
+        assert_eq!((weighted_base, base_weight), (true, number(weight)));
+    }
 }
 
 #[test]

@@ -440,6 +440,16 @@ fn vertex_colors_that_cannot_be_are_refused() {
         colors.replace("name=\"reflectance\"", "name=\"diffuse_reflectance\"")
     );
     says(ply_scene(&ply("float", "0 0 0"), &both), "beside other textures");
+    // What is computed from texture coordinates needs others; what is computed from directions does not.
+    let computed = |source: &str| {
+        let dot = format!(
+            r#"<texture type="dot" name="base_weight"><texture type="{source}" name="a"/><texture type="incoming" name="b"/></texture>"#
+        );
+        both.replace(r#"<texture type="checkerboard" name="specular_reflectance"/>"#, &dot)
+    };
+    says(ply_scene(&ply("float", "0 0 0"), &computed("uv")), "beside other textures");
+    let apart = ply_scene(&ply("float", "0 0 0"), &computed("shading_normal")).expect("a scene");
+    assert!(apart.warnings.is_empty(), "{:?}", apart.warnings);
     refuse(&disk(&bsdf), &["`mesh_attribute`", "`ply`"]);
     let bytes = ply_scene(&ply("uchar", "255 51 0"), &bsdf).unwrap();
     assert!(bytes.warnings.len() == 1 && bytes.warnings[0].contains("whole numbers"), "{:?}", bytes.warnings);

@@ -69,10 +69,15 @@ fn diffuse() {
 #[test]
 fn rough_diffuse() {
     let given = r#"<float name="alpha" value="0.4"/><boolean name="useFastApprox" value="true"/>"#;
-    for (parameters, alpha, fast_approximation) in [("", 0.2, false), (given, 0.4, true)] {
-        let expected = Bsdf::RoughDiffuse { reflectance: gray(0.5), alpha: number(alpha), fast_approximation };
+    let kept = r#"<float name="alpha" value="1"/><boolean name="energy_preserving" value="true"/>"#;
+    for (parameters, alpha, fast_approximation, energy_preserving) in
+        [("", 0.2, false, false), (given, 0.4, true, false), (kept, 1.0, false, true)]
+    {
+        let expected =
+            Bsdf::RoughDiffuse { reflectance: gray(0.5), alpha: number(alpha), fast_approximation, energy_preserving };
         assert_eq!(bsdf("roughdiffuse", parameters), expected);
     }
+    refuse("roughdiffuse", &format!("{given}{kept}"), "`use_fast_approx` or `energy_preserving`, not both");
 }
 
 #[test]
@@ -152,8 +157,13 @@ fn plastics() {
         diffuse_reflectance: gray(0.5),
         specular_reflectance: gray(1.0),
         nonlinear: true,
+        weighted_base: false,
+        base_weight: number(1.0),
     };
     assert_eq!(smooth, expected);
+    let weighted = bsdf("plastic", r#"<float name="base_weight" value="0.25"/>"#);
+    let Bsdf::Plastic { weighted_base: true, base_weight, .. } = weighted else { panic!("{weighted:?}") };
+    assert_eq!(base_weight, number(0.25));
     let rough = bsdf("roughplastic", r#"<float name="alphaU" value="0.2"/><float name="alphaV" value="0.2"/>"#);
     let expected = Bsdf::RoughPlastic {
         distribution: Distribution::Beckmann,

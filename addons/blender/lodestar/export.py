@@ -72,16 +72,12 @@ class _Exporter:
         self.enclosures = Enclosures(self.report)
         self.grid_files: set[str] = set()
         self.emitters: list[xml.Element] = []
-        # Lamps in view that the camera should not see, with their courses and emitters.
-        self.visible_lamps: list[tuple[Any, xml.Course, list[xml.Element]]] = []
         # Lamps for which points stand, with those points and the disks that may take their place.
         self.soft_lamps: list[tuple[falloff.SoftLamp, list[xml.Element], list[xml.Element]]] = []
         # Suns with an angle, and emitters of lamps that rays of surfaces do not find in Cycles.
         self.suns: list[suns.Sun] = []
         self.unfound: set[int] = set()
         self.surfaces_emit = self.has_glass = False
-        # Objects through which light passes.
-        self.clear_objects: set[str] = set()
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera
         self.motions = motion.Motions(depsgraph, self.camera, self.report)
@@ -163,7 +159,7 @@ class _Exporter:
         if owner.data.type == "AREA" and getattr(getattr(owner.data, "cycles", None), "is_portal", False):
             # A portal says where light comes in, and sheds none.
             return
-        emitters = lights.export(owner.data, course, owner.name, self.report, owner.visible_camera)
+        emitters = lights.export(owner.data, course, owner.name, self.report)
         unsupported.report_object(owner, self.report)
         self.emitters.extend(emitters)
         if not suns.has_multiple_importance(owner.data):
@@ -174,12 +170,11 @@ class _Exporter:
         soft = falloff.soft_lamp(owner, course.matrix.translation)
         if soft is not None and emitters:
             self.soft_lamps.append((soft, emitters, lights.disks(owner.data, course, owner.name, self.report)))
-        # A disk that faces what it lights says itself whether the camera sees it.
-        has_surface = any(emitter.tag == "shape" for emitter in emitters)
-        if has_surface and not owner.visible_camera and not lights.is_facing(owner.data):
-            if self._is_in_view(owner.data, course.matrix):
-                self.visible_lamps.append((owner, course, emitters))
-        self.surfaces_emit |= owner.visible_camera and has_surface
+        surfaces = [emitter for emitter in emitters if emitter.tag == "shape"]
+        if owner.visible_camera:
+            self.surfaces_emit |= bool(surfaces)
+        else:
+            lights.hide(surfaces)
 
     def _soften_lamps(self, definitions: list[xml.Element]) -> None:
         """Replaces the points of lamps by disks, where a surface is so near that the soft falloff shows, and no mirror would show the disks."""
@@ -195,51 +190,31 @@ class _Exporter:
                 self.emitters += disks
         self.emitters = [each for each in self.emitters if id(each) not in replaced]
 
-    def _is_in_view(self, light: Any, matrix: Any) -> bool:
-        """Whether a lamp with a surface may be in the picture, if nothing hides it."""
-        scene = self.depsgraph.scene_eval
-        faces = self.camera.data.type == "ORTHO" or lights.faces(light, matrix, self.camera.matrix_world.translation)
-        return faces and camera.may_see(self.camera, scene, lights.corners(light, matrix))
-
-    def _is_shown(self, light: Any, matrix: Any) -> bool:
-        """Whether a part of an area light lies in the picture, and no opaque surface is before it. It is tried at points of the light."""
-        if light.type != "AREA" or self.camera.data.type != "PERSP":
-            return True
-        eye, scene = self.camera.matrix_world.translation, self.depsgraph.scene
-        margin = 0.1 if self.camera.data.dof.use_dof else 0.01
-        for point in lights.points_within(light, matrix):
-            if not camera.may_see(self.camera, self.depsgraph.scene_eval, [point], margin):
-                continue
-            way = (point - eye).normalized()
-            start = eye + way * self.camera.data.clip_start
-            found = scene.ray_cast(self.depsgraph, start, way, distance=max((point - start).length * (1.0 - 1e-4), 1e-6))
-            if not found[0] or found[4] is None or found[4].name_full in self.clear_objects:
-                return True
-        return False
-
     def _surface(self, placed: Placed, course: xml.Course) -> None:
         owner = placed.owner
         unsupported.report_object(owner, self.report)
         override = self.layer.material_override
         slots = [override] if override is not None else [slot.material for slot in owner.material_slots] or [None]
         keys = [self._material(material, placed) for material in slots]
-        if not all(self.materials[key].is_opaque for key in keys):
-            self.clear_objects.add(owner.name_full)
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
-        shown = tuple((file, keys[part.slot]) for part in self._mesh_parts(owner, keys) for file in part.files)
+        parts = self._mesh_parts(owner, keys)
+        shown = tuple((file, keys[part.slot], not owner.visible_camera) for part in parts for file in part.files)
         volume = self._volume_within(owner, keys)
         is_boundary = volume is not None or any(self.materials[key].below is not None for key in keys)
         region = self.enclosures.region(owner) if is_boundary else None
         if region is None:
-            self.shapes.add((shown, ()), course, lambda: [self._shape(file, key) for file, key in shown])
+            self.shapes.add((shown, ()), course, lambda: [self._shape(*each) for each in shown])
             return
+        if not owner.visible_camera:
+            self.report.warn(f'object "{owner.name}"', "its invisibility to camera rays is not supported, because it bounds a volume; it is visible")
+            shown = tuple((file, key, False) for file, key, _ in shown)
 
         def show(around: Volume) -> None:
-            sides = {key: self._sides(key, around, body) for _, key in shown}
-            media = tuple(tuple(side.items()) for _, key in shown for side in sides[key])
-            build = lambda: [xml.with_children(self._shape(f, k), *copy.deepcopy(sides[k])) for f, k in shown]  # noqa: E731
+            sides = {key: self._sides(key, around, body) for _, key, _ in shown}
+            media = tuple(tuple(side.items()) for _, key, _ in shown for side in sides[key])
+            build = lambda: [xml.with_children(self._shape(*each), *copy.deepcopy(sides[each[1]])) for each in shown]  # noqa: E731
             self.shapes.add((shown, media), course, build)
 
         body = Body(owner.name, region, course.matrix, volume, show)
@@ -309,12 +284,14 @@ class _Exporter:
             self.parts[key] = self.meshes.export(owner, wanted, self.depsgraph)
         return self.parts[key]
 
-    def _shape(self, file: str, key: str) -> xml.Element:
-        """Mesh of a file with its material, without a place."""
+    def _shape(self, file: str, key: str, is_unseen: bool) -> xml.Element:
+        """Mesh of a file with its material, without a place, which the camera may not see."""
         material = self.materials[key]
         self.has_glass |= material.is_glass
-        self.surfaces_emit |= material.emission is not None
+        self.surfaces_emit |= material.emission is not None and not is_unseen
         shape = xml.add(xml.plugin("shape", "ply"), "filename", file)
+        if is_unseen:
+            lights.hide([shape])
         xml.with_children(shape, xml.ElementTree.Element("ref", {"id": key}))
         if material.emission is not None:
             xml.with_children(shape, copy.deepcopy(material.emission))
@@ -352,17 +329,10 @@ class _Exporter:
         return (getattr(self.layer, "world_override", None) or scene.world) if self.layer.use_sky else None
 
     def _hides_emitters(self, scene: Any, environment: Optional[xml.Element]) -> bool:
-        """Whether the camera sees no emitter: where the film is transparent, or lamps are the only ones."""
-        if scene.render.film_transparent:
-            if self.surfaces_emit:
-                self.report.warn("scene", "with a transparent film, surfaces that emit are invisible to the camera")
-            return True
-        if environment is None and not self.surfaces_emit:
-            return True
-        for owner, course, emitters in self.visible_lamps:
-            if course.keys or self._is_shown(owner.data, course.matrix):
-                self._hide_lamp(owner, course, emitters)
-        return False
+        """Whether the camera sees no emitter: where the film is transparent, or there are lamps alone that it does not see."""
+        if scene.render.film_transparent and self.surfaces_emit:
+            self.report.warn("scene", "with a transparent film, surfaces that emit are invisible to the camera")
+        return scene.render.film_transparent or (environment is None and not self.surfaces_emit)
 
     def _with_suns(
         self, scene: Any, environment: Optional[xml.Element], definitions: list[xml.Element], hides: bool
@@ -377,16 +347,6 @@ class _Exporter:
         moved = {id(emitter) for sun in self.suns for emitter in sun.emitters}
         self.emitters = [each for each in self.emitters if id(each) not in moved]
         return world.of_picture(self.images.written(suns.picture(color, self.suns)))
-
-    def _hide_lamp(self, owner: Any, course: xml.Course, emitters: list[xml.Element]) -> None:
-        """Keeps the camera from seeing a lamp, where it sees other emitters."""
-        points = lights.points(owner.data, course, emitters)
-        if points is None:
-            self.report.warn(f'light "{owner.name}"', "the camera sees it, because it sees other emitters, too")
-            return
-        self.emitters = [each for each in self.emitters if each not in emitters] + points
-        message = f"the camera would see it, because it sees other emitters, too; {len(points)} points, which mirrors do not show, stand for it"
-        self.report.warn(f'light "{owner.name}"', message)
 
     def _report_light_through_surfaces(self) -> None:
         # In Cycles, too, a lamp without size or without Multiple Importance is not found through glass. The parts of a lamp that has a size have weights.

@@ -2,9 +2,9 @@
 
 Cycles dims what lies below a layer by the layer's albedo at this angle. So a layer over a base is a `blendbsdf`: its weight is that
 albedo, as a table. The second part of a coat is a conductor that reflects all light, times what the rough layer reflects of it: its facets
-reflect by their own angles, of which the table has the mean for each angle of the surface. That of a dielectric is a `plastic` with a black
-base, whose facets reflect by their own angles, over the weight. Its weight is more than the albedo, because highlights would be noisy
-otherwise, and its base is so much brighter.
+reflect by their own angles, of which the table has the mean for each angle of the surface.
+
+A dielectric over a diffuse base is one `plastic` or `pplastic` with a weight of its base: what the albedo leaves.
 """
 
 from __future__ import annotations
@@ -24,8 +24,6 @@ ENTRIES = 256
 SIDE = 24
 # Roughnesses of a table in two dimensions.
 ROUGHNESSES = 17
-# Part of the samples of a dielectric's base that its lobe gets besides its own.
-MORE = 0.1
 # Schlick's weight of the color at grazing angles, at the cosine of 1/7, which is 82 degrees.
 AT_82 = (6.0 / 7.0) ** 5
 
@@ -134,13 +132,12 @@ def metal_color(base: Expression, alpha: float, tint: Color) -> Expression:
 # ------------------------------------------------------------------------------------------------------- dielectric
 
 
-def dielectric_lobe(alpha: Union[float, xml.Element], ior: float) -> xml.Element:
-    """What a dielectric reflects: a plastic with a black base. A roughness that varies is a texture."""
+def plastic(alpha: Union[float, xml.Element], ior: float) -> xml.Element:
+    """Dielectric over a diffuse base. A roughness that varies is a texture."""
     element = xml.plugin("bsdf", "plastic" if alpha == 0.0 else "pplastic")
     if alpha != 0.0:
         xml.add(xml.add(element, "distribution", "ggx"), "alpha", alpha)
-    xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
-    return xml.add(element, "diffuse_reflectance", (0.0, 0.0, 0.0))
+    return xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
 
 
 @lru_cache(maxsize=256)
@@ -170,13 +167,11 @@ def _dielectric(alpha: float, ior: float, tint: Color, is_whole: bool) -> tuple[
 
 
 def dielectric(graph: Graph, alpha: float, ior: float, tint: Color, is_whole: bool) -> tuple[Expression, Expression, float]:
-    """Weight of what a rough dielectric reflects, and the factor of its lobe: an expression in [0, 1] and a number."""
+    """Weight of the base of a dielectric, and the factor of its lobe: an expression in [0, 1] and a number."""
     kept, factors = _dielectric(alpha, ior, tint, is_whole)
-    weight = MORE + (1.0 - MORE) * kept
-    factors = factors / weight[:, None]
     most = float(factors.max())
     at = cosine(graph)
-    return table(at, _colors([weight] * 3)), table(at, _colors((factors / most).T)), most
+    return table(at, _colors([1.0 - kept] * 3)), table(at, _colors((factors / most).T)), most
 
 
 @lru_cache(maxsize=64)
@@ -201,8 +196,7 @@ def _of_both(at: Expression, roughness: Expression, values: Any) -> Expression:
 def uneven_dielectric(roughness: Expression, ior: float, is_whole: bool) -> tuple[Expression, Expression, float]:
     """The same for a roughness that varies, without a tint."""
     kept, factors = _of_roughness(ior, is_whole)
-    weights = MORE + (1.0 - MORE) * kept
-    most = 1.05 * float((factors / weights).max())
+    most = 1.05 * float(factors.max())
     at = cosine(roughness.graph)
-    weight = clamp(_of_both(at, roughness, weights), MORE, 1.0)
-    return weight, _of_both(at, roughness, factors) / (weight * most), most
+    weight = clamp(_of_both(at, roughness, 1.0 - kept), 0.0, 1.0)
+    return weight, _of_both(at, roughness, factors / most), most

@@ -20,8 +20,8 @@ def color_of(light: Any) -> tuple[float, float, float]:
     return color  # type: ignore[return-value]
 
 
-def export(light: Any, course: xml.Course, name: str, report: Report, visible: bool = True) -> list[xml.Element]:
-    """Emitters of a lamp, which the camera may see or not."""
+def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xml.Element]:
+    """Emitters of a lamp."""
     place = f'light "{name}"'
     _report_unsupported(light, place, report)
     power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
@@ -35,7 +35,7 @@ def export(light: Any, course: xml.Course, name: str, report: Report, visible: b
     if light.type == "AREA":
         return _area(light, course, power, tinted, place, report)
     if is_facing(light):
-        return _facing_disk(light, course, power, tinted, visible, place, report)
+        return _facing_disk(light, course, power, tinted, place, report)
     if light.type == "POINT" and light.shadow_soft_size > 0.0:
         ball = [_ball(light, course, power, tinted)]
         # Surfaces that scatter light do not find a lamp without Multiple Importance.
@@ -53,7 +53,12 @@ def disks(light: Any, course: xml.Course, name: str, report: Report) -> list[xml
     """Disk that faces what it lights, and that the camera does not see, for a lamp without Multiple Importance."""
     tinted = _tinted(light, f'light "{name}"', report)
     power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
-    return _facing_disk(light, course, power, tinted, False, f'light "{name}"', report)
+    return hide(_facing_disk(light, course, power, tinted, f'light "{name}"', report))
+
+
+def hide(shapes: list[xml.Element]) -> list[xml.Element]:
+    """Hides shapes from the camera."""
+    return [xml.add(shape, "visible_to_camera", False) for shape in shapes]
 
 
 def _tinted(light: Any, place: str, report: Report) -> Any:
@@ -153,9 +158,7 @@ def _round_radiance(light: Any, power: float) -> float:
     return units.sphere_radiance(power, radius)
 
 
-def _facing_disk(
-    light: Any, course: xml.Course, power: float, tinted: Any, visible: bool, place: str, report: Report
-) -> list[xml.Element]:
+def _facing_disk(light: Any, course: xml.Course, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:
     """Lamp with soft falloff: a disk that faces what it lights. No scale changes its radius."""
     from mathutils import Matrix
 
@@ -173,8 +176,6 @@ def _facing_disk(
     else:
         xml.add_course(shape, course.mapped(lambda matrix: Matrix.Translation(matrix.translation)))
     xml.add(shape, "radius", float(light.shadow_soft_size))
-    if not visible:
-        xml.add(shape, "visible_to_camera", False)
     return [xml.with_children(shape, xml.add(emitter, "radiance", tinted(_round_radiance(light, power))))]
 
 
@@ -250,28 +251,6 @@ def _area(light: Any, course: xml.Course, power: float, tinted: Any, place: str,
     shape = xml.plugin("shape", "disk" if is_round else "rectangle")
     xml.add_course(shape, course.mapped(lambda matrix: _facing(matrix, (0.5 * width, 0.5 * height))))
     return [_emitting(shape, tinted(units.area_radiance(power, area if getattr(light, "normalize", True) else 1.0)))]
-
-
-def faces(light: Any, matrix: Any, eye: Any) -> bool:
-    """Whether a lamp sheds light to the point `eye`. Area lights shine from one side."""
-    return light.type != "AREA" or (matrix.to_3x3() @ _vector((0.0, 0.0, -1.0))).dot(eye - matrix.translation) > 0.0
-
-
-def corners(light: Any, matrix: Any) -> list[Any]:
-    """Points of the world whose hull holds a lamp with a surface."""
-    if light.type == "AREA":
-        height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
-        facing = _facing(matrix, (0.5 * light.size, 0.5 * height))
-        return [facing @ _vector((x, y, 0.0)) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]
-    reach = (-light.shadow_soft_size, light.shadow_soft_size)
-    return [matrix.translation + _vector((x, y, z)) for x in reach for y in reach for z in reach]
-
-
-def points_within(light: Any, matrix: Any, count: int = 16) -> list[Any]:
-    """Points of an area light on a grid that holds its corners."""
-    low, left, right, high = corners(light, matrix)
-    shares = [at / (count - 1) for at in range(count)]
-    return [low * (1 - u) * (1 - v) + left * (1 - u) * v + right * u * (1 - v) + high * u * v for u in shares for v in shares]
 
 
 def _facing(matrix: Any, size: tuple[float, float] = (1.0, 1.0), normalized: bool = False) -> Any:

@@ -21,8 +21,6 @@ DEFAULT: Color = (0.8, 0.8, 0.8)
 # Most surfaces that the renderer chooses between for a material, and most choices within each other.
 MOST_SURFACES = 64
 MOST_CHOICES = 8
-# BSDFs that light passes.
-CLEAR = {"mask", "null", "thindielectric", "dielectric", "roughdielectric", "difftrans"}
 
 
 @dataclass
@@ -50,11 +48,6 @@ class Material:
     below: Optional[Volume] = None  # below the surface, in the place of the volume
     asks_for_smoke: bool = False  # whether the volume may take grids of a fluid domain
 
-    @property
-    def is_opaque(self) -> bool:
-        """Whether no light passes the surface."""
-        return self.bsdf is not None and not any(part.get("type") in CLEAR for part in self.bsdf.iter("bsdf"))
-
 
 def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
     """Translates a material; None stands for Blender's default."""
@@ -81,7 +74,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     element = closure.bsdf if closure.bsdf is not None else diffuse(images, BLACK)
     textures = element.iter("texture")
     kinds = {texture.get("type") for texture in textures} - {"scale"}
-    kinds |= {"program" for _ in element.iter("ref")}
+    kinds |= {"program"} if _computed_from_uv(element, images) else set()
     if "mesh_attribute" in kinds and len(kinds) > 1:
         reader.warn("a color attribute beside other textures is not supported; the color is white")
         _whiten(element)
@@ -104,7 +97,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
 def _surface(translator: _Translator, socket: Any) -> Closure:
     """Closure of a material's surface, whose BSDF is that of both sides."""
     closure = _of_both_sides(translator, socket)
-    if closure.bsdf is not None and not _is_within_limits(closure.bsdf):
+    if closure.bsdf is not None and not _is_within_limits(closure.bsdf, translator.images):
         translator.has_layers = False
         closure = _of_both_sides(translator, socket)
     return closure
@@ -122,12 +115,16 @@ def _of_both_sides(translator: _Translator, socket: Any) -> Closure:
     return replace(closure, bsdf=covered)
 
 
-def _is_within_limits(element: xml.Element) -> bool:
-    """Whether the renderer can follow a BSDF's choices, and its colors are not both a mesh's and computed."""
+def _computed_from_uv(element: xml.Element, images: Images) -> bool:
+    """Whether a texture of a BSDF is computed from texture coordinates, in whose place a mesh's colors have others."""
+    return any(images.graph.reads_uv(each.get("id", "")) for each in element.iter("ref"))
+
+
+def _is_within_limits(element: xml.Element, images: Images) -> bool:
+    """Whether the renderer can follow a BSDF's choices, and its colors are not both a mesh's and computed from texture coordinates."""
     has_attribute = any(texture.get("type") == "mesh_attribute" for texture in element.iter("texture"))
-    is_computed = next(element.iter("ref"), None) is not None
     surfaces = sum(all(child.tag != "bsdf" for child in part) for part in element.iter("bsdf"))
-    return surfaces <= MOST_SURFACES and _choices(element) <= MOST_CHOICES and not (has_attribute and is_computed)
+    return surfaces <= MOST_SURFACES and _choices(element) <= MOST_CHOICES and not (has_attribute and _computed_from_uv(element, images))
 
 
 def _choices(element: xml.Element) -> int:
@@ -312,12 +309,12 @@ class _Translator:
 
     def _diffuse(self, node: Any, groups: Groups) -> Closure:
         color = self.reader.color(node.inputs["Color"], groups)
-        roughness = self.reader.constant(node.inputs["Roughness"], groups)
+        roughness = self.reader.scalar(node.inputs["Roughness"], groups)
         bsdf = diffuse(self.images, color)
-        if roughness > 0.0:
-            self.reader.warn("Oren and Nayar's model for rough diffuse surfaces differs from Cycles' version of it")
+        if isinstance(roughness, Texture) or roughness > 0.0:
             rough = parameter(self.images, xml.plugin("bsdf", "roughdiffuse"), "reflectance", color)
-            bsdf = two_sided(xml.add(rough, "alpha", roughness * math.sqrt(2.0)))
+            parameter(self.images, rough, "alpha", roughness if isinstance(roughness, Texture) else min(roughness, 1.0))
+            bsdf = two_sided(xml.add(rough, "energy_preserving", True))
         return Closure(self.relief(bsdf, node, groups))
 
     def _facets(self, plugin: str, smooth: str, node: Any, groups: Groups) -> xml.Element:

@@ -1,8 +1,7 @@
 """Principled BSDF as layers: metal over glass over a dielectric with a diffuse base, under a coat; and relief.
 
-A dielectric that is nearly smooth is a `plastic` or `roughplastic`: like Cycles' surface it sheds diffusely what was not reflected.
-Rougher ones would lose too much light (`roughplastic` loses what Cycles' single reflections lose twice over), so they are layers. With sheen,
-with anisotropy, and where layers would exceed a limit, they are Mitsuba's `principled`, of which the base color is dimmed by the mean reflectance.
+A dielectric is a `plastic` or `pplastic` with a weight of its base. With sheen, with anisotropy, and where programs would exceed a limit, it is
+Mitsuba's `principled`, of which the base color is dimmed by the mean reflectance, or without roughness a plain `plastic`.
 """
 
 from __future__ import annotations
@@ -20,8 +19,6 @@ from .volumes import Volume
 Groups = tuple[Any, ...]
 # Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
 SMOOTH = 0.01
-# Roughness up to which `roughplastic` is at least as near to the brightness of Cycles' surface as `principled` is.
-PLASTIC = 0.16
 # Filter Width of a bump map up to which Cycles' slope is that of the point. It is Blender's default, in pixels.
 MOST_FILTER_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
@@ -52,12 +49,10 @@ def layered(
     from . import materials
 
     weight, factor, most = layer
-    # Textures alone may be brighter than 1.
-    base = base if isinstance(base, Texture) else Texture(program=images.graph.constant(base))
-    base = base.scaled((1.0 / (1.0 - layers.MORE),) * 3)
-    upper = layers.dielectric_lobe(images.element(alpha) if isinstance(alpha, Texture) else alpha, ior)
-    materials.parameter(images, upper, "specular_reflectance", Texture(program=factor, factor=(most,) * 3))
-    return materials.blend(images, Texture(program=weight), materials.diffuse(images, base), materials.two_sided(upper))
+    element = layers.plastic(images.element(alpha) if isinstance(alpha, Texture) else alpha, ior)
+    materials.parameter(images, element, "specular_reflectance", Texture(program=factor, factor=(most,) * 3))
+    materials.parameter(images, element, "diffuse_reflectance", base)
+    return materials.two_sided(materials.parameter(images, element, "base_weight", Texture(program=weight)))
 
 
 def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float, Texture], metallic: float, ior: float) -> xml.Element:
@@ -221,20 +216,12 @@ class _Principled:
         base = self._below_coat(self.base)
         if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
             return materials.diffuse(self.images, base)
-        is_rough = isinstance(self.roughness, Texture) or self.roughness > PLASTIC
-        if self.has_layers and is_rough or self._is_even() and (self.tint != WHITE or self.passing is not None):
-            layered = self._layered(base, ior)
-            if layered is not None:
-                return layered
-        if is_rough or not self._is_even():
+        layered = self._layered(base, ior) if self.has_layers else None
+        if layered is not None:
+            return layered
+        if not self._is_even() or self.roughness >= SMOOTH:
             return self._disney(0.0, ior)
-        smooth = self.roughness < SMOOTH
-        element = xml.plugin("bsdf", "plastic" if smooth else "roughplastic")
-        if not smooth:
-            xml.add(xml.add(element, "distribution", "ggx"), "alpha", self.roughness**2)
-        xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
-        materials.parameter(self.images, element, "diffuse_reflectance", base)
-        return materials.two_sided(element)
+        return materials.two_sided(materials.parameter(self.images, layers.plastic(0.0, ior), "diffuse_reflectance", base))
 
     def _is_even(self) -> bool:
         """Whether the surface has one roughness, and no sheen."""

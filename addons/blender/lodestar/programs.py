@@ -154,6 +154,16 @@ class Graph:
         """Nodes that a node takes its inputs from."""
         return [value.node for value in self.operands(node).values() if value.node is not None]
 
+    def reads_uv(self, name: str) -> bool:
+        """Whether the expression with this name depends on texture coordinates."""
+        open_, seen = [int(name.removeprefix("texture "))], set()
+        while open_:
+            node = open_.pop()
+            if node not in seen:
+                seen.add(node)
+                open_.extend(self.inputs(node))
+        return any(self.plugin(node) == "uv" for node in seen)
+
     # ------------------------------------------------------------------------------------------------------ text
 
     def name(self, expression: Expression) -> str:

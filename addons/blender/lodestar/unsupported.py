@@ -7,7 +7,7 @@ from typing import Any
 
 from .report import Report
 
-# Rays to which an object or a world may be invisible, besides those of the camera.
+# Rays to which an object or a world may be invisible, besides those of the camera, to which an object may be invisible.
 VISIBILITIES = ("diffuse", "glossy", "transmission", "shadow")
 
 
@@ -16,8 +16,6 @@ def report_object(owner: Any, report: Report) -> None:
     is_light = owner.type == "LIGHT"
     place = f'object "{owner.name}"'
     hidden = [name for name in VISIBILITIES if not getattr(owner, f"visible_{name}", True)]
-    if not is_light and not owner.visible_camera:
-        hidden.insert(0, "camera")
     if hidden:
         report.warn(place, f"its invisibility to {', '.join(hidden)} rays is not supported; it is visible")
     linking = getattr(owner, "light_linking", None)

@@ -15,8 +15,20 @@ struct Plastic {
     SCALAR(2) float eta;                       // index of refraction, interior over exterior
     SCALAR(4) float internal_reflectance;      // diffuse Fresnel reflectance from inside
     SCALAR(5) float specular_sampling;         // mean albedo of the specular lobe over that of both lobes
+    SCALAR(7) float base_weight;               // share of the base that is left under what the layer reflects, for a weighted base
     FLAG(MATERIAL_NONLINEAR) bool nonlinear;   // color shifts by internal scattering are kept
+    FLAG(MATERIAL_WEIGHTED_BASE) bool weighted_base;
 };
+
+// Whether a weight says what the base sheds, so that the layer dims nothing.
+bool has_weighted_base(Plastic b) {
+    return has_feature(FEATURE_WEIGHTED_BASE) && b.weighted_base;
+}
+
+// Albedo of a weighted base.
+vec3 weighted_base(Plastic b) {
+    return b.base_weight * b.diffuse_reflectance;
+}
 
 // Diffuse reflectance of the base including all reflections between base and layer, without the layer's transmittances.
 vec3 plastic_base(Plastic b) {
@@ -24,10 +36,15 @@ vec3 plastic_base(Plastic b) {
     return b.diffuse_reflectance / (max(1.0 - internal, vec3(1.0e-6)) * (b.eta * b.eta));
 }
 
-// Probability of the specular lobe, given the layer's reflectance for the light from `wo`.
+// Probability of the specular lobe, given the layer's reflectance for the light from `wo`. With a weighted base, it follows what both
+// lobes shed at the point.
 float plastic_specular_probability(Plastic b, float reflectance) {
     float specular = reflectance * b.specular_sampling;
     float diffuse = (1.0 - reflectance) * (1.0 - b.specular_sampling);
+    if (has_weighted_base(b)) {
+        specular = reflectance * max_component(b.specular_reflectance);
+        diffuse = max_component(weighted_base(b));
+    }
     // A device may round the quotient above 1.
     return min(specular / max(specular + diffuse, 1.0e-20), 1.0);
 }
@@ -48,6 +65,7 @@ float pdf_bsdf_plastic(Plastic b, vec3 wo, vec3 wi, float diffuse_density) {
 
 vec3 eval_bsdf_plastic(Plastic b, vec3 wo, vec3 wi) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
+    if (has_weighted_base(b)) return weighted_base(b) * (INV_PI * wi.z);
     float transmitted_o = 1.0 - fresnel_dielectric(wo.z, b.eta).reflectance;
     float transmitted_i = 1.0 - fresnel_dielectric(wi.z, b.eta).reflectance;
     return plastic_base(b) * (INV_PI * wi.z * transmitted_o * transmitted_i);

@@ -1,6 +1,6 @@
 // Diffuse reflection by grooves of ideal diffuse facets (Oren and Nayar 1994). The roughness `alpha` is that of Mitsuba
 // 0.6: it is comparable to the alpha of a microfacet distribution, and sqrt(2) times the standard deviation of the
-// facets' angles.
+// facets' angles. The energy-preserving model (Portsmouth, Kutz and Hill 2024) has a roughness from 0 to 1.
 #ifndef BSDF_ROUGH_DIFFUSE_GLSL
 #define BSDF_ROUGH_DIFFUSE_GLSL
 #include "bsdf/parameters.glsl"
@@ -13,7 +13,12 @@ struct RoughDiffuse {
     COLOR(0) vec3 reflectance;  // albedo, each channel in [0, 1]
     SCALAR(0) float alpha;
     FLAG(MATERIAL_FAST_APPROXIMATION) bool fast_approximation;  // the qualitative model of the paper, without interreflection
+    FLAG(MATERIAL_ENERGY_PRESERVING) bool energy_preserving;
 };
+
+// What the factor of Fujii's roughness reaches at grazing incidence, and its mean over the hemisphere.
+const float FUJII_GRAZING = 0.5 * PI - 2.0 / 3.0;
+const float FUJII_MEAN = (2.0 * PI - 5.6) / 3.0;
 
 // Angles of the paper.
 struct Grooves {
@@ -59,6 +64,27 @@ float groove_interreflection(Grooves g) {
     return 0.17 * g.variance / (g.variance + 0.13) * (1.0 - g.cos_phi * g.turn.y * g.turn.y);
 }
 
+// Fujii's form of the qualitative model loses light: the light from direction `w` that it loses at full albedo, relative to what it does at
+// grazing incidence.
+float fujii_loss(vec3 w) {
+    float sine = min(length(w.xy), 1.0);
+    float lost = atan(sine, w.z) - 2.0 / 3.0 - sine * w.z + (2.0 / 3.0) * w.z * (1.0 + sine + sine * sine) / (1.0 + sine);
+    return FUJII_GRAZING - sine * lost;
+}
+
+// Fujii's form, plus the light that it loses, which leaves the surface after several reflections: f cos. As in Cycles, this light has the color
+// once more than in the paper.
+vec3 energy_preserving_reflection(RoughDiffuse b, vec3 wo, vec3 wi) {
+    float a = 1.0 / (PI + FUJII_GRAZING * b.alpha);
+    float mean_loss = a * b.alpha * (FUJII_GRAZING - FUJII_MEAN);
+    float s = dot(wo.xy, wi.xy);
+    float once = a * (1.0 + b.alpha * (s > 0.0 ? s / max(wo.z, wi.z) : s));
+    // The product of both losses over the mean loss. Without roughness, all of them are 0.
+    float again = a * b.alpha * fujii_loss(wo) * fujii_loss(wi) / (FUJII_GRAZING - FUJII_MEAN);
+    vec3 kept = b.reflectance * b.reflectance * (1.0 - mean_loss) / (1.0 - b.reflectance * mean_loss);
+    return b.reflectance * (once + kept * (again * INV_PI)) * wi.z;
+}
+
 BsdfSample sample_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 u) {
     return BsdfSample(sample_cosine_hemisphere(u.xy), wo.z > 0.0 ? LOBE_DIFFUSE : LOBE_NONE, vec3(0.0), 1.0);
 }
@@ -69,6 +95,7 @@ float pdf_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 wi, float diffuse_den
 
 vec3 eval_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 wi) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
+    if (has_feature(FEATURE_ENERGY_PRESERVING) && b.energy_preserving) return energy_preserving_reflection(b, wo, wi);
     Grooves g = grooves(b.alpha, wo, wi);
     vec3 reflected = b.reflectance * (groove_reflection(g) + b.reflectance * groove_interreflection(g));
     if (b.fast_approximation) reflected = b.reflectance * groove_reflection_fast(g);

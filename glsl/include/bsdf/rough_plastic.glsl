@@ -42,15 +42,16 @@ BsdfSample sample_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 m, vec3 u) {
 
 float pdf_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 wi, float diffuse_density, Facet f) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
-    float specular = plastic_specular_probability(b.plastic, 1.0 - layer_transmittance(b, wo.z));
-    return density_of_choice(diffuse_density, reflected_density(f), specular);
+    return density_of_choice(diffuse_density, reflected_density(f), plastic_specular_probability(b.plastic, 1.0 - layer_transmittance(b, wo.z)));
 }
 
 vec3 eval_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 wi, Facet f) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
     float reflectance = fresnel_dielectric(dot(wo, f.m), b.plastic.eta).reflectance;
+    vec3 specular = b.plastic.specular_reflectance * (reflectance * reflected_light(f));
+    if (has_weighted_base(b.plastic)) return specular + weighted_base(b.plastic) * (INV_PI * wi.z);
     float transmitted = layer_transmittance(b, wo.z) * layer_transmittance(b, wi.z);
-    return b.plastic.specular_reflectance * (reflectance * reflected_light(f)) + plastic_base(b.plastic) * (INV_PI * wi.z * transmitted);
+    return specular + plastic_base(b.plastic) * (INV_PI * wi.z * transmitted);
 }
 
 #endif

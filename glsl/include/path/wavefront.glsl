@@ -238,18 +238,6 @@ Path load_path_with_disks(uint slot) {
     return path;
 }
 
-// Whether the ray that a path travels now comes straight from the camera.
-bool slot_comes_from_camera(uint slot) {
-    if (HIDE_EMITTERS) {
-        if (lets_through() && push.edge != 0u) {
-            Path path;
-            load_path_way(slot, path);
-            return path.straight == push.edge;
-        }
-    }
-    return push.edge == 0u;
-}
-
 // The ray that a path travels now.
 Ray load_ray(uint slot) {
     if (HAS_FACING_DISKS) return load_path_with_disks(slot).ray;

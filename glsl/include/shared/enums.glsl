@@ -77,7 +77,7 @@ const uint PRIMITIVE_UNMOVED = 128u;
 const uint PRIMITIVE_MOVING = 256u;
 // The sphere is the room of a disk of its radius that faces the point which it lights.
 const uint PRIMITIVE_FACING = 512u;
-// Rays that come straight from the camera pass the facing disk.
+// Rays that come straight from the camera pass the shape.
 const uint PRIMITIVE_UNSEEN = 1024u;
 
 // Kind of a material that is a choice between two materials. The files of the folder bsdf declare the numbers of the other kinds.
@@ -101,6 +101,10 @@ const uint MATERIAL_HOLES = 131072u;
 const uint MATERIAL_LETS_THROUGH = 262144u;
 // The surface bounds a medium: what fills the space may differ between its sides.
 const uint MATERIAL_BOUNDARY = 524288u;
+// What reflects light takes nothing from the diffuse base below it: a weight says what the base sheds.
+const uint MATERIAL_WEIGHTED_BASE = 1048576u;
+// A rough diffuse surface keeps all light that it does not absorb.
+const uint MATERIAL_ENERGY_PRESERVING = 2097152u;
 
 // Position of the exterior medium in the word of a material's record that holds both media.
 const uint EXTERIOR_MEDIUM_SHIFT = 16u;
@@ -122,6 +126,8 @@ const uint FEATURE_VOLUMES = 1024u;
 const uint FEATURE_GLOW = 2048u;
 // Some emitter of a surface has a cone.
 const uint FEATURE_CONES = 4096u;
+const uint FEATURE_WEIGHTED_BASE = 8192u;
+const uint FEATURE_ENERGY_PRESERVING = 16384u;
 
 // Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
 const uint VOLUME_COLORS = 1u;

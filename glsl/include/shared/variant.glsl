@@ -23,6 +23,8 @@ layout(constant_id = 63) const uint SURE_ROULETTE_DEPTH = NONE;
 layout(constant_id = 4) const uint RR_DEPTH = 8u;
 // Whether emitters are invisible to the camera.
 layout(constant_id = 5) const bool HIDE_EMITTERS = false;
+// Whether some shape is invisible to the camera, other than disks that face what they light.
+layout(constant_id = 26) const bool HAS_UNSEEN = false;
 
 // Prior weight of a cell's parent in the mean of each bin, as a number of targets; 0 switches parents off.
 layout(constant_id = 60) const float FALLBACK = 0.0;

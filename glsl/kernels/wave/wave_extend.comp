@@ -17,6 +17,18 @@ Ray ray_of_slot(uint slot) {
     return load_ray(slot);
 }
 
+// Whether the ray that a path travels now comes straight from the camera.
+bool slot_comes_from_camera(uint slot) {
+    if (hides_shapes()) {
+        if (lets_through() && push.edge != 0u) {
+            Path path;
+            load_path_way(slot, path);
+            return path.straight == push.edge;
+        }
+    }
+    return push.edge == 0u;
+}
+
 // Traces the ray of a slot's path, and keeps what it meets.
 void extend(uint slot, inout bool overrun) {
     Hit hit = end_of_edge(ray_of_slot(slot), slot_comes_from_camera(slot), overrun);

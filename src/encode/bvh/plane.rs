@@ -46,7 +46,7 @@ fn nearest_point(p: &Primitive) -> DVec3 {
             sides.into_iter().min_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(origin)
         }
         PrimitiveShape::Disk => at(u / u.hypot(v).max(1.0), v / u.hypot(v).max(1.0)),
-        PrimitiveShape::Parallelogram | PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => {
+        PrimitiveShape::Parallelogram | PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => {
             at(u.clamp(-1.0, 1.0), v.clamp(-1.0, 1.0))
         }
     }

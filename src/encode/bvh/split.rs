@@ -106,6 +106,7 @@ mod tests {
             uvs: Default::default(),
             flip_normal: false,
             front_only: false,
+            unseen: false,
             material: 0,
             emitter,
         }

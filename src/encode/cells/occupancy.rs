@@ -144,6 +144,7 @@ mod tests {
             uvs: [Vec2::ZERO; 3],
             flip_normal: false,
             front_only: false,
+            unseen: false,
             material: 0,
             emitter: None,
         };
@@ -159,7 +160,7 @@ mod tests {
             PrimitiveShape::Triangle => origin + a * u + b * v,
             PrimitiveShape::Parallelogram => origin + (2.0 * a - 1.0) * u + (2.0 * b - 1.0) * v,
             PrimitiveShape::Disk => origin + a * (turn.cos() * u + turn.sin() * v),
-            PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => {
+            PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => {
                 let height = 2.0 * a - 1.0;
                 let around = (1.0 - height * height).max(0.0).sqrt();
                 origin + u.length() * vec3(around * turn.cos(), around * turn.sin(), height)
@@ -197,6 +198,6 @@ mod tests {
             let place = grid.clamped(grid.coordinates(vec3(0.1, -0.2, 0.3)));
             occupied_places(&bvh, &grid)[grid.index(place)]
         };
-        assert!(has_middle(PrimitiveShape::FacingDisk { unseen: false }) && !has_middle(PrimitiveShape::Sphere));
+        assert!(has_middle(PrimitiveShape::FacingDisk) && !has_middle(PrimitiveShape::Sphere));
     }
 }

@@ -18,6 +18,8 @@ pub(super) struct Common {
     pub flip_normals: bool,
     /// Whether rays from behind pass.
     pub front_only: bool,
+    /// Whether the camera's rays pass.
+    pub unseen: bool,
     pub material: u32,
     pub emitter: Option<u32>,
     /// Blocks of the mesh in the image of vertex colors, whose coordinates then replace the mesh's own.
@@ -79,8 +81,8 @@ pub(super) fn sphere(common: &Common) -> Primitive {
 }
 
 /// Disk of the radius of that sphere which faces what it lights.
-pub(super) fn facing_disk(common: &Common, unseen: bool) -> Primitive {
-    Primitive { shape: PrimitiveShape::FacingDisk { unseen }, flip_normal: false, ..sphere(common) }
+pub(super) fn facing_disk(common: &Common) -> Primitive {
+    Primitive { shape: PrimitiveShape::FacingDisk, flip_normal: false, ..sphere(common) }
 }
 
 fn primitive(
@@ -91,9 +93,9 @@ fn primitive(
     edge_v: Vec3,
     flip_normal: bool,
 ) -> Primitive {
-    let Common { front_only, material, emitter, .. } = *common;
+    let Common { front_only, unseen, material, emitter, .. } = *common;
     let (normals, uvs) = (None, BARYCENTRIC_UVS);
-    Primitive { shape, origin, edge_u, edge_v, normals, uvs, flip_normal, front_only, material, emitter }
+    Primitive { shape, origin, edge_u, edge_v, normals, uvs, flip_normal, front_only, unseen, material, emitter }
 }
 
 /// Copy of a group's primitive; `None` if the transform leaves it no area.

@@ -192,7 +192,7 @@ fn kept(group: u32, to_world: &DMat4) -> Option<Instance> {
 }
 
 fn is_sphere(shape: &Shape) -> bool {
-    matches!(shape.geometry, Geometry::Sphere | Geometry::FacingDisk { .. })
+    matches!(shape.geometry, Geometry::Sphere | Geometry::FacingDisk)
 }
 
 /// Copy of a group's shape in the place of an instance.
@@ -229,7 +229,8 @@ fn shared_meshes(
             continue;
         }
         let MeshOptions { face_normals, flip_uvs } = *options;
-        let key = (file, face_normals, flip_uvs, common.flip_normals, common.front_only, common.material);
+        let key =
+            (file, face_normals, flip_uvs, common.flip_normals, common.front_only, common.unseen, common.material);
         let indices = users.entry(key).or_default();
         if indices.is_empty() {
             order.push(key);

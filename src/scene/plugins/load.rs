@@ -259,8 +259,13 @@ impl<'a> Builder<'a> {
         let emitter = properties.object(Kind::Emitter)?;
         let boundary = self.media.boundary(&mut properties, &mut self.warnings);
         let boundary = self.faults.keep(boundary).flatten();
+        if common.unseen && boundary.is_some() {
+            let message =
+                "a shape that bounds a medium cannot be invisible to the camera; leave `visible_to_camera` out";
+            self.faults.keep::<()>(Err(object.error(message)));
+        }
         let bsdf = properties.object(Kind::Bsdf)?;
-        let is_facing = matches!(geometry, Some(Geometry::FacingDisk { .. }));
+        let is_facing = matches!(geometry, Some(Geometry::FacingDisk));
         if is_facing {
             self.faults.keep(facing::check(object, emitter, bsdf, boundary.is_some()));
         }

@@ -57,7 +57,7 @@ pub(super) enum Geometry {
     Disk,
     Cube,
     Sphere,
-    FacingDisk { unseen: bool },
+    FacingDisk,
     Cylinder,
 }
 
@@ -84,6 +84,7 @@ impl MeshFile {
 pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -> Result<Geometry> {
     common.to_world = properties.take_to_world()?;
     common.flip_normals = properties.boolean("flip_normals")?.unwrap_or(false);
+    common.unseen = !properties.boolean("visible_to_camera")?.unwrap_or(true);
     let mesh_format = match properties.plugin() {
         "obj" => Some(MeshFormat::Obj),
         "ply" => Some(MeshFormat::Ply),
@@ -165,7 +166,7 @@ fn parse_facing_disk(properties: &mut Properties, common: &mut Common) -> Result
         let message = "a `facingdisk` has no `flip_normals`, because it faces what it lights; leave it out";
         return Err(properties.owner().error(message));
     }
-    Ok(Geometry::FacingDisk { unseen: !properties.boolean("visible_to_camera")?.unwrap_or(true) })
+    Ok(Geometry::FacingDisk)
 }
 
 /// Transform from the unit sphere to the world.
@@ -188,7 +189,7 @@ impl Shape {
     fn round_plugin(&self) -> Option<&'static str> {
         match self.geometry {
             Geometry::Sphere => Some("sphere"),
-            Geometry::FacingDisk { .. } => Some(FACING_DISK),
+            Geometry::FacingDisk => Some(FACING_DISK),
             _ => None,
         }
     }
@@ -223,7 +224,7 @@ pub(super) fn primitive_count(shape: &Shape, meshes: &HashMap<MeshFile, Arc<Mesh
         Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
         Geometry::Cylinder => cylinder::UNIT.triangles.len(),
         Geometry::Cube => 6,
-        Geometry::Rectangle | Geometry::Disk | Geometry::Sphere | Geometry::FacingDisk { .. } => 1,
+        Geometry::Rectangle | Geometry::Disk | Geometry::Sphere | Geometry::FacingDisk => 1,
     }
 }
 
@@ -246,7 +247,7 @@ pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Arc<Mesh>>)
         Geometry::Disk => few(flatten::flat(PrimitiveShape::Disk, common), common),
         Geometry::Cube => few(flatten::cube(common), common),
         Geometry::Sphere => few(vec![flatten::sphere(common)], common),
-        Geometry::FacingDisk { unseen } => few(vec![flatten::facing_disk(common, *unseen)], common),
+        Geometry::FacingDisk => few(vec![flatten::facing_disk(common)], common),
         Geometry::Cylinder => mesh(&cylinder::UNIT, &MeshOptions { face_normals: false, flip_uvs: false }),
     };
     placed.ok_or_else(|| {

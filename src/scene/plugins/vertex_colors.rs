@@ -134,7 +134,13 @@ impl<'a> Context<'a> {
             let message = format!("the attributes `{name}` and `{other}` on one shape are not supported together");
             return Err(shape.origin.error(message));
         }
-        if !used.iter().all(is_colors) {
+        // What is computed from other things than texture coordinates may stand beside the colors. A relief has slopes along them.
+        let has_relief = surfaces.iter().any(|surface| surface.relief.is_some());
+        let is_apart = |&texture: &u32| {
+            let pattern = &self.textures[texture as usize].pattern;
+            !has_relief && matches!(pattern, Pattern::Program(program) if !program.reads_uv())
+        };
+        if !used.iter().all(|texture| is_colors(texture) || is_apart(texture)) {
             return Err(shape.origin.error("vertex colors beside other textures on one shape are not supported"));
         }
         if surfaces.iter().any(|surface| surface.bsdf.is_anisotropic()) {

@@ -55,6 +55,11 @@ impl Program {
         self.instructions.iter().any(|instruction| instruction.operands.contains(&Place::Position))
     }
 
+    /// Whether the value depends on texture coordinates.
+    pub fn reads_uv(&self) -> bool {
+        self.instructions.iter().any(|instruction| instruction.operands.contains(&Place::Uv))
+    }
+
     /// Indices of the textures that the program looks up.
     pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut u32> {
         let images = self.instructions.iter_mut().filter(|instruction| instruction.operation == Operation::Image);

@@ -127,7 +127,8 @@ fn families() -> Vec<Family> {
     let color = DVec3::new(0.9, 0.5, 0.2);
     let rough = |alpha| Microfacets::new([alpha; 2], true);
     let other = |name: &str, base| Family::Other(Surface { name: name.into(), base, coating: None });
-    let oren_nayar = RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false };
+    let oren_nayar =
+        RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false, energy_preserving: false };
     let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
     let glass = Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8) };
     let principled = |name: &str, base: &str| {

@@ -75,6 +75,7 @@ impl Pane {
             uvs: [glam::Vec2::ZERO; 3],
             flip_normal: false,
             front_only: false,
+            unseen: false,
             material,
             emitter: None,
         });

@@ -14,6 +14,7 @@ pub fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3
         uvs: Default::default(),
         flip_normal: false,
         front_only: false,
+        unseen: false,
         material: 0,
         emitter: None,
     }

@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_PRINCIPLED_THIN, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING,
-    FEATURE_SMOOTH_BASE, MATERIAL_COATED, MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
+    FEATURE_ENERGY_PRESERVING, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE, MATERIAL_COATED, MATERIAL_ENERGY_PRESERVING,
+    MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
 };
 
 use crate::substances::{Substance, substances};
@@ -51,7 +52,8 @@ pub struct Surface {
 
 /// Constants of a pipeline for all of these surfaces.
 pub fn variant() -> Variant {
-    let surface_features = FEATURE_COATING | FEATURE_BECKMANN | FEATURE_SMOOTH_BASE;
+    let surface_features =
+        FEATURE_COATING | FEATURE_BECKMANN | FEATURE_SMOOTH_BASE | FEATURE_WEIGHTED_BASE | FEATURE_ENERGY_PRESERVING;
     Variant { material_kinds: u32::MAX, surface_features, ..Variant::default() }
 }
 
@@ -179,8 +181,9 @@ impl Base {
 }
 
 fn device_rough_diffuse(b: &RoughDiffuse) -> DeviceBsdf {
-    let flag = if b.fast_approximation { MATERIAL_FAST_APPROXIMATION } else { 0 };
-    let mut device = DeviceBsdf { kind_and_flags: BSDF_ROUGH_DIFFUSE | flag, ..DeviceBsdf::default() };
+    let fast = if b.fast_approximation { MATERIAL_FAST_APPROXIMATION } else { 0 };
+    let flags = fast | if b.energy_preserving { MATERIAL_ENERGY_PRESERVING } else { 0 };
+    let mut device = DeviceBsdf { kind_and_flags: BSDF_ROUGH_DIFFUSE | flags, ..DeviceBsdf::default() };
     device.colors[0] = floats(b.reflectance);
     device.scalars[0] = b.alpha as f32;
     device
@@ -233,8 +236,15 @@ fn device_principled_thin(b: &PrincipledThin) -> DeviceBsdf {
 }
 
 fn rough_diffuse(alpha: f64, fast_approximation: bool) -> (String, Base) {
-    let b = RoughDiffuse { reflectance: DVec3::new(0.9, 0.5, 0.1), alpha, fast_approximation };
+    let b =
+        RoughDiffuse { reflectance: DVec3::new(0.9, 0.5, 0.1), alpha, fast_approximation, energy_preserving: false };
     (format!("rough diffuse {alpha} {fast_approximation}"), Base::RoughDiffuse(b))
+}
+
+fn energy_preserving(alpha: f64) -> (String, Base) {
+    let reflectance = DVec3::new(0.9, 0.5, 0.1);
+    let b = RoughDiffuse { reflectance, alpha, fast_approximation: false, energy_preserving: true };
+    (format!("energy-preserving diffuse {alpha}"), Base::RoughDiffuse(b))
 }
 
 /// Principled surface: a dielectric over a diffuse base.
@@ -312,6 +322,7 @@ fn coated((name, base): (String, Base), eta: f64) -> Surface {
 pub fn surfaces() -> Vec<Surface> {
     let rough = [(0.05, false), (0.3, false), (1.0, false), (0.5, true)];
     let uncoated = rough.map(|(alpha, fast)| rough_diffuse(alpha, fast)).into_iter();
+    let uncoated = uncoated.chain([0.0, 0.3, 1.0].map(energy_preserving));
     let uncoated = uncoated.chain([0.05, 0.25, 0.5, 1.0].into_iter().flat_map(principled));
     let uncoated = uncoated.chain([0.05, 0.5, 1.0].into_iter().flat_map(principled_thin));
     let [metal, ..] = principled(0.5);

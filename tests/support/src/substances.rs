@@ -7,7 +7,7 @@ use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC,
     BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_GGX, MATERIAL_NONLINEAR, MATERIAL_SMOOTH_BASE,
-    WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
+    MATERIAL_WEIGHTED_BASE, WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
 };
 use lodestar::math::microfacet::Microfacets;
 
@@ -80,6 +80,7 @@ pub fn plastic(
         internal_reflectance: fresnel_diffuse_reflectance(1.0 / eta),
         specular_sampling: means[0] / (means[0] + means[1]),
         rough: None,
+        base_weight: None,
     };
     let Some(facets) = facets else { return Substance::Plastic(b) };
     let (layer, address) = layer(facets, eta);
@@ -107,13 +108,21 @@ impl Substance {
             Self::Dielectric(b) => Self::Dielectric(dielectric(b)),
             Self::ThinDielectric(b) => Self::ThinDielectric(dielectric(b)),
             Self::RoughDielectric(b, facets) => Self::RoughDielectric(dielectric(b), *facets),
+            // A layer that takes nothing from the base reflects all light together with it.
+            Self::Plastic(b) if b.base_weight.is_some() => Self::Plastic(Plastic {
+                diffuse_reflectance: DVec3::ONE,
+                specular_reflectance: DVec3::splat(0.5),
+                base_weight: Some(0.5),
+                ..b.clone()
+            }),
             Self::Plastic(b) | Self::RoughPlastic(b, _) => {
                 let facets = b.rough.as_ref().map(|rough| rough.facets);
                 plastic(b.eta, DVec3::ONE, DVec3::ONE, b.nonlinear, facets)
             }
             Self::PolarizedPlastic(b) => Self::PolarizedPlastic(PolarizedPlastic {
                 diffuse_reflectance: DVec3::ONE,
-                specular_reflectance: DVec3::ONE,
+                specular_reflectance: DVec3::splat(if b.base_weight.is_some() { 0.5 } else { 1.0 }),
+                base_weight: b.base_weight.map(|_| 0.5),
                 ..*b
             }),
             // Both lobes together reflect all light.
@@ -227,6 +236,7 @@ fn device_plastic(kind: u32, b: &Plastic, address: u32) -> DeviceBsdf {
     let mut device = DeviceBsdf::new(kind | flag, [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO]);
     device.scalars[2] = b.eta as f32;
     device.scalars[4..7].copy_from_slice(&[b.internal_reflectance as f32, b.specular_sampling as f32, address as f32]);
+    weigh_base(&mut device, b.base_weight);
     device
 }
 
@@ -235,7 +245,16 @@ fn device_polarized_plastic(b: &PolarizedPlastic) -> DeviceBsdf {
     let mut device = DeviceBsdf::new(BSDF_ROUGH_PLASTIC | MATERIAL_SMOOTH_BASE, colors);
     device.scalars[2] = b.eta as f32;
     device.scalars[4..6].copy_from_slice(&[1.0 - 1.0 / b.eta.powi(2), b.specular_sampling()].map(|x| x as f32));
+    weigh_base(&mut device, b.base_weight);
     device
+}
+
+/// Gives the base of a plastic its weight.
+fn weigh_base(device: &mut DeviceBsdf, weight: Option<f64>) {
+    if let Some(weight) = weight {
+        device.kind_and_flags |= MATERIAL_WEIGHTED_BASE;
+        device.scalars[7] = weight as f32;
+    }
 }
 
 fn device_phong(b: &Phong) -> DeviceBsdf {
@@ -273,7 +292,12 @@ fn smooth() -> Vec<(String, Substance)> {
     let plastics = [(1.49, false), (1.9, true)].map(|(eta, nonlinear)| {
         (format!("plastic {eta}"), plastic(eta, COLOR, DVec3::new(0.6, 0.8, 1.0), nonlinear, None))
     });
-    dielectrics.chain(plastics).chain([("conductor".into(), Substance::Conductor(COPPER))]).collect()
+    let Substance::Plastic(plain) = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), false, None) else {
+        unreachable!()
+    };
+    let weighted = Substance::Plastic(Plastic { base_weight: Some(0.6), ..plain });
+    let others = [("conductor".into(), Substance::Conductor(COPPER)), ("weighted smooth plastic".into(), weighted)];
+    dielectrics.chain(plastics).chain(others).collect()
 }
 
 fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
@@ -288,8 +312,11 @@ fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
         diffuse_reflectance: COLOR,
         specular_reflectance: DVec3::new(0.6, 0.8, 1.0),
         facets,
+        base_weight: None,
     };
     all.push((format!("polarized plastic, {name}"), Substance::PolarizedPlastic(polarized)));
+    let weighted = PolarizedPlastic { base_weight: Some(0.6), ..polarized };
+    all.push((format!("weighted plastic, {name}"), Substance::PolarizedPlastic(weighted)));
     if alpha[0] == alpha[1] {
         let b = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), true, Some(facets));
         all.push((format!("rough plastic, {name}"), b));

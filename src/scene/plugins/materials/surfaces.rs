@@ -53,11 +53,17 @@ fn albedo(parameters: &mut Parameters) -> Result<Textured<Vec3>> {
 
 /// Reads a `roughdiffuse`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks.
 fn rough_diffuse(parameters: &mut Parameters) -> Result<Bsdf> {
-    Ok(Bsdf::RoughDiffuse {
-        reflectance: albedo(parameters)?,
-        alpha: parameters.scalar("alpha", 0.2)?,
-        fast_approximation: parameters.properties.boolean("use_fast_approx")?.unwrap_or(false),
-    })
+    let fast_approximation = parameters.properties.boolean("use_fast_approx")?.unwrap_or(false);
+    let energy_preserving = parameters.properties.boolean("energy_preserving")?.unwrap_or(false);
+    if fast_approximation && energy_preserving {
+        let message = "a `roughdiffuse` has `use_fast_approx` or `energy_preserving`, not both; leave one out";
+        return Err(parameters.owner().error(message));
+    }
+    let alpha = match energy_preserving {
+        true => parameters.share("alpha", 0.2)?,
+        false => parameters.scalar("alpha", 0.2)?,
+    };
+    Ok(Bsdf::RoughDiffuse { reflectance: albedo(parameters)?, alpha, fast_approximation, energy_preserving })
 }
 
 fn dielectric(parameters: &mut Parameters, thin: bool) -> Result<Bsdf> {
@@ -119,6 +125,8 @@ fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
         diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
         specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
         nonlinear: parameters.properties.boolean("nonlinear")?.unwrap_or(false),
+        weighted_base: parameters.properties.has("base_weight"),
+        base_weight: parameters.share("base_weight", 1.0)?,
     })
 }
 
@@ -146,5 +154,7 @@ fn polarized_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
         eta,
         diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
         specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        weighted_base: parameters.properties.has("base_weight"),
+        base_weight: parameters.share("base_weight", 1.0)?,
     })
 }

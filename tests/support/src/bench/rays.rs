@@ -274,9 +274,7 @@ fn area(light: &Primitive) -> f64 {
         PrimitiveShape::Triangle => 0.5 * product,
         PrimitiveShape::Parallelogram => 4.0 * product,
         PrimitiveShape::Disk => PI * product,
-        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => {
-            4.0 * PI * f64::from(light.edge_u.length_squared())
-        }
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => 4.0 * PI * f64::from(light.edge_u.length_squared()),
     }
 }
 
@@ -289,7 +287,7 @@ fn point_on(light: &Primitive, random: &mut RandomStream) -> DVec3 {
         PrimitiveShape::Triangle => (a, b),
         PrimitiveShape::Parallelogram => (2.0 * a - 1.0, 2.0 * b - 1.0),
         PrimitiveShape::Disk => (a.sqrt() * (2.0 * PI * b).cos(), a.sqrt() * (2.0 * PI * b).sin()),
-        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => {
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => {
             return origin + uniform_direction(random) * edge_u.length();
         }
     };

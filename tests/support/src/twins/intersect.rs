@@ -33,7 +33,7 @@ const GRAZING: f64 = 1.0e-3;
 
 /// A disk that faces what it lights, as the flat disk that it is for light that arrives at `to`.
 pub fn turned(p: &Primitive, to: DVec3) -> Primitive {
-    if !matches!(p.shape, PrimitiveShape::FacingDisk { .. }) {
+    if !matches!(p.shape, PrimitiveShape::FacingDisk) {
         return *p;
     }
     let (edge_u, edge_v) = (to - p.origin.as_dvec3()).normalize().any_orthonormal_pair();
@@ -45,7 +45,7 @@ pub fn turned(p: &Primitive, to: DVec3) -> Primitive {
 pub fn crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
     match p.shape {
         PrimitiveShape::Sphere => sphere_crossings(ray, p),
-        PrimitiveShape::FacingDisk { .. } => flat_crossing(ray, &turned(p, ray.origin)).into_iter().collect(),
+        PrimitiveShape::FacingDisk => flat_crossing(ray, &turned(p, ray.origin)).into_iter().collect(),
         _ => flat_crossing(ray, p).into_iter().collect(),
     }
 }
@@ -71,7 +71,7 @@ fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
         PrimitiveShape::Triangle => u.min(v).min(1.0 - u - v),
         PrimitiveShape::Parallelogram => 1.0 - u.abs().max(v.abs()),
         PrimitiveShape::Disk => 1.0 - u.hypot(v),
-        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => unreachable!("a round shape is not flat"),
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => unreachable!("a round shape is not flat"),
     };
     let longest = edge_u.length().max(edge_v.length());
     let of_plane = determinant.abs() / longest.powi(2);

@@ -43,7 +43,7 @@ pub fn area(p: &Primitive) -> f64 {
         PrimitiveShape::Parallelogram => 4.0 * spanned,
         PrimitiveShape::Disk => PI * spanned,
         // What faces everything has the power of a sphere.
-        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk { .. } => 4.0 * PI * p.edge_u.as_dvec3().length_squared(),
+        PrimitiveShape::Sphere | PrimitiveShape::FacingDisk => 4.0 * PI * p.edge_u.as_dvec3().length_squared(),
     }
 }
 

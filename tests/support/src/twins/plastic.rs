@@ -27,6 +27,8 @@ pub struct Plastic {
     pub specular_sampling: f64,
     /// Surface of the layer, if it is rough.
     pub rough: Option<RoughSurface>,
+    /// Share of the base that is left, where the layer takes no light from it.
+    pub base_weight: Option<f64>,
 }
 
 /// Surface of a rough layer.
@@ -51,8 +53,13 @@ impl Plastic {
     /// Probability that a sample takes the specular lobe.
     pub fn specular_probability(&self, wo: DVec3) -> f64 {
         let transmittance = self.transmittance(wo.z);
-        let specular = (1.0 - transmittance) * self.specular_sampling;
-        let diffuse = transmittance * (1.0 - self.specular_sampling);
+        let (specular, diffuse) = match self.base_weight {
+            Some(weight) => (
+                (1.0 - transmittance) * self.specular_reflectance.max_element(),
+                weight * self.diffuse_reflectance.max_element(),
+            ),
+            None => ((1.0 - transmittance) * self.specular_sampling, transmittance * (1.0 - self.specular_sampling)),
+        };
         if specular + diffuse > 0.0 { specular / (specular + diffuse) } else { 0.0 }
     }
 }
@@ -71,10 +78,14 @@ pub fn eval_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3) -> DVec3 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return DVec3::ZERO;
     }
+    let of_layer = b.rough.as_ref().map_or(DVec3::ZERO, |rough| specular(b, &rough.facets, wo, wi));
+    if let Some(weight) = b.base_weight {
+        return b.diffuse_reflectance * (weight * wi.z / PI) + of_layer;
+    }
     let returned = if b.nonlinear { b.diffuse_reflectance } else { DVec3::ONE } * b.internal_reflectance;
     let base = b.diffuse_reflectance / (DVec3::ONE - returned);
     let passing = b.transmittance(wo.z) * b.transmittance(wi.z) / b.eta.powi(2);
-    base * (passing * wi.z / PI) + b.rough.as_ref().map_or(DVec3::ZERO, |rough| specular(b, &rough.facets, wo, wi))
+    base * (passing * wi.z / PI) + of_layer
 }
 
 fn specular(b: &Plastic, facets: &Microfacets, wo: DVec3, wi: DVec3) -> DVec3 {

@@ -1,4 +1,5 @@
-//! Twin of `glsl/include/bsdf/rough_plastic.glsl` with a smooth base: Mitsuba's `pplastic` without polarization.
+//! Twin of `glsl/include/bsdf/rough_plastic.glsl` with a smooth base: Mitsuba's `pplastic` without polarization, whose base may have a
+//! weight.
 
 use std::f64::consts::PI;
 
@@ -20,6 +21,8 @@ pub struct PolarizedPlastic {
     pub specular_reflectance: DVec3,
     /// Facets of the surface.
     pub facets: Microfacets,
+    /// Share of the base that is left, where the facets take no light from it.
+    pub base_weight: Option<f64>,
 }
 
 impl PolarizedPlastic {
@@ -35,6 +38,10 @@ impl PolarizedPlastic {
 
     fn specular_probability(&self, wo: DVec3) -> f64 {
         let transmittance = self.transmittance(wo.z);
+        if let Some(weight) = self.base_weight {
+            let specular = (1.0 - transmittance) * self.specular_reflectance.max_element();
+            return specular / (specular + weight * self.diffuse_reflectance.max_element());
+        }
         let specular = (1.0 - transmittance) * self.specular_sampling();
         specular / (specular + transmittance * (1.0 - self.specular_sampling()))
     }
@@ -49,7 +56,7 @@ pub fn eval_bsdf_polarized_plastic(b: &PolarizedPlastic, wo: DVec3, wi: DVec3) -
     let masking = smith_g1(&b.facets, wo) * smith_g1(&b.facets, wi);
     let facets = microfacet_density(&b.facets, m) * masking / (4.0 * wo.z);
     let reflectance = fresnel_dielectric(wo.dot(m), b.eta).reflectance;
-    let passing = b.transmittance(wo.z) * b.transmittance(wi.z);
+    let passing = b.base_weight.unwrap_or_else(|| b.transmittance(wo.z) * b.transmittance(wi.z));
     b.specular_reflectance * (reflectance * facets) + b.diffuse_reflectance * (passing * wi.z / PI)
 }
 

@@ -13,12 +13,17 @@ pub struct RoughDiffuse {
     pub alpha: f64,
     /// Whether Oren and Nayar's qualitative model replaces the full one.
     pub fast_approximation: bool,
+    /// Whether the energy-preserving model replaces both; the roughness then lies in [0, 1].
+    pub energy_preserving: bool,
 }
 
 /// Value f cos (Oren and Nayar 1994, equations 29 to 31), by the paper's angles.
 pub fn eval_bsdf_rough_diffuse(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return DVec3::ZERO;
+    }
+    if b.energy_preserving {
+        return energy_preserving(b, wo, wi);
     }
     let angle = |w: DVec3| w.truncate().length().atan2(w.z);
     let alpha = angle(wo).max(angle(wi));
@@ -30,6 +35,27 @@ pub fn eval_bsdf_rough_diffuse(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 
         full(b, azimuths, alpha, beta)
     };
     reflected * wi.z / PI
+}
+
+/// Albedo of Fujii's model for light that makes an angle with the normal, in the form that Portsmouth, Kutz and Hill (2024) give.
+fn fujii_albedo(a: f64, roughness: f64, cosine: f64) -> f64 {
+    let (angle, sine) = (cosine.acos(), cosine.acos().sin());
+    let g = sine * (angle - sine * cosine) + 2.0 / 3.0 * (sine / cosine * (1.0 - sine.powi(3)) - sine);
+    a * PI + roughness * a * g
+}
+
+/// The model of Portsmouth, Kutz and Hill (2024). The term of several reflections has the reflectance once more, as in Cycles.
+fn energy_preserving(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 {
+    if b.alpha == 0.0 {
+        return b.reflectance * (wi.z / PI);
+    }
+    let a = 1.0 / (PI + (FRAC_PI_2 - 2.0 / 3.0) * b.alpha);
+    let s = wo.dot(wi) - wo.z * wi.z;
+    let once = a * (1.0 + b.alpha * if s > 0.0 { s / wo.z.max(wi.z) } else { s });
+    let mean = a * PI + b.alpha * a * (2.0 * PI - 5.6) / 3.0;
+    let losses = [wo.z, wi.z].map(|cosine| 1.0 - fujii_albedo(a, b.alpha, cosine));
+    let color = b.reflectance.powf(3.0) * mean / (DVec3::ONE - b.reflectance * (1.0 - mean));
+    (b.reflectance * once + color * (losses[0] * losses[1] / ((1.0 - mean) * PI))) * wi.z
 }
 
 fn variance(alpha: f64) -> f64 {
