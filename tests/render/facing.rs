@@ -6,7 +6,7 @@
 use glam::{Vec3, vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::radiance_map::{MappedScene, SurfacePoint};
-use lodestar::scene::{Camera, LoadOptions, PrimitiveShape, Scene, load};
+use lodestar::scene::{Camera, LoadOptions, Scene, load};
 use lodestar::settings::{Execution, Sampler, Settings, UNLIMITED_DEPTH};
 use support::mutated::TURNED_TO_HOLE;
 use support::panes::Pane;

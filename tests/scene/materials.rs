@@ -77,7 +77,8 @@ fn rough_diffuse() {
             Bsdf::RoughDiffuse { reflectance: gray(0.5), alpha: number(alpha), fast_approximation, energy_preserving };
         assert_eq!(bsdf("roughdiffuse", parameters), expected);
     }
-    refuse("roughdiffuse", &format!("{given}{kept}"), "`use_fast_approx` or `energy_preserving`, not both");
+    let both = format!(r#"<bsdf type="roughdiffuse">{given}<boolean name="energy_preserving" value="true"/></bsdf>"#);
+    refuse(&both, &["`use_fast_approx` or `energy_preserving`, not both"]);
 }
 
 #[test]
