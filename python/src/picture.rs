@@ -163,7 +163,10 @@ impl Picture {
     fn save(&self, py: Python<'_>, path: PathBuf, tone: &str, exposure: f32, half: bool) -> PyResult<()> {
         let tone = tone_of(tone)?;
         let write = || match Format::of(&path) {
-            Some(format) => Canvas::of_image(format, &self.picture.image(), tone, exposure).write(&path),
+            Some(format) => {
+                let lodestar::Picture { width, height, ref radiance, .. } = self.picture;
+                Canvas::new(format, [width, height], tone, exposure).write(&path, radiance, &mut |_| {})
+            }
             None if files::has_extension(&path, "exr") => {
                 let precision = if half { Precision::Half } else { Precision::Float };
                 film::write_picture_as(&path, &self.picture, &self.attributes, precision)

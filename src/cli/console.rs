@@ -91,9 +91,8 @@ impl Stage {
                 ending.show("reading the picture back from the device");
                 *self = Self::Ending(ending);
             }
-            (Event::Writing(path, share), Self::Ending(ending)) => {
-                ending.show(&format!("writing {}: {:.0} %", path.display(), 100.0 * share));
-            }
+            (Event::Finishing(work), Self::Ending(ending)) => ending.show(work),
+            (Event::Writing(path, share), Self::Ending(ending)) => ending.show_writing(path, share),
             (Event::Warning(message), stage) => stage.interleave(|| report("warning", message)),
             (Event::Validation(message), stage) => stage.interleave(|| report("validation", message)),
             (Event::Note(message), stage) if !is_quiet => stage.interleave(|| print_message(message)),

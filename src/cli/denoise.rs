@@ -10,6 +10,7 @@ use lodestar::settings::options::form::{finite, output_path};
 use lodestar::{Result, files};
 
 use super::print::{print_message, report};
+use super::progress::Loading;
 
 /// Denoises an EXR picture by Intel's Open Image Denoise 2.x.
 ///
@@ -42,10 +43,14 @@ pub struct DenoiseArgs {
 pub fn run(args: DenoiseArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
     let denoiser = Denoiser::open(&DenoiseOptions { folder: args.oidn, device: args.oidn_device })?;
+    let working = Loading::new(args.quiet);
+    working.show(&format!("denoising {}", args.picture.display()));
     let file = DenoisedFile::new(&denoiser, &args.picture)?;
-    file.notes.iter().for_each(|note| report("warning", note));
+    working.interleave(|| file.notes.iter().for_each(|note| report("warning", note)));
     let (tone, exposure) = (args.tone.unwrap_or_default(), args.exposure.unwrap_or_default());
-    args.output.iter().try_for_each(|path| file.write(path, tone, exposure))?;
+    let write = |path: &PathBuf| file.write(path, tone, exposure, &mut |share| working.show_writing(path, share));
+    args.output.iter().try_for_each(write)?;
+    drop(working);
     if !args.quiet {
         let denoised = file.denoised();
         print_message(&format!("denoised by {} on {}, from {}", denoised.by, denoised.on, denoised.from));

@@ -33,7 +33,7 @@ impl Log {
     pub fn write(&mut self, event: Event<'_>) {
         match event {
             Event::Preparing(preparation) => self.prepare(preparation),
-            Event::Ready | Event::InStep(_) | Event::Rendered | Event::Writing(..) => {}
+            Event::Ready | Event::InStep(_) | Event::Rendered | Event::Finishing(_) | Event::Writing(..) => {}
             Event::Begun(beginning) => self.line("start", start(beginning)),
             Event::Step(step) => self.line("step", progress(step)),
             Event::Written(path) => {

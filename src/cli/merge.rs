@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use lodestar::film;
 use lodestar::film::merge::{PartialPicture, merge};
+use lodestar::film::{self, Precision};
 use lodestar::session::saved_guide::{self, SavedGuide};
 use lodestar::settings::options::form::merged_path;
 use lodestar::{Result, files};
 
 use super::print::{print_message, report};
+use super::progress::Loading;
 
 /// Merges pictures of one scene with disjoint samples, or guides that have learned from disjoint samples.
 ///
@@ -40,18 +41,22 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
 }
 
 fn merge_pictures(parts: &[PathBuf], output: &Path) -> Result<()> {
+    let working = Loading::new(false);
     let read = |path: &PathBuf| {
+        working.show(&format!("reading {}", path.display()));
         let (picture, attributes) = film::read_picture(path)?;
         Ok(PartialPicture { path: path.clone(), picture, attributes })
     };
     let parts: Vec<_> = parts.iter().map(read).collect::<Result<_>>()?;
+    working.show("averaging the pictures");
     let (picture, attributes) = merge(&parts)?;
     let is_whole = |part: &&PartialPicture| part.picture.sums.is_empty();
     if let Some(part) = parts.iter().find(is_whole).filter(|_| !parts.iter().all(|part| is_whole(&part))) {
         let message = "it carries no sums, so the last bits depend on how the samples are divided; render it with --sample-offset (0 for the first part)";
-        report("warning", &format!("{}: {message}", part.path.display()));
+        working.interleave(|| report("warning", &format!("{}: {message}", part.path.display())));
     }
-    film::write_picture(output, &picture, &attributes)
+    let mut tell = |share| working.show_writing(output, share);
+    film::write_picture_with(output, &picture, &attributes, Precision::Float, None, &mut tell)
 }
 
 fn merge_guides(parts: &[PathBuf], output: &Path) -> Result<()> {

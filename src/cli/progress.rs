@@ -1,6 +1,7 @@
 //! Progress on standard error: a bar on a terminal, elsewhere a line every few seconds.
 
 use std::io::{self, IsTerminal};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -42,6 +43,11 @@ impl Loading {
             *next = Instant::now() + LINE_INTERVAL;
             print_message(text);
         }
+    }
+
+    /// Shows the share of a file that is written, in [0, 1].
+    pub fn show_writing(&self, path: &Path, share: f64) {
+        self.show(&format!("writing {}: {:.0} %", path.display(), 100.0 * share));
     }
 
     /// Hides the text while `print` writes to standard error.

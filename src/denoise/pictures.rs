@@ -85,21 +85,21 @@ impl DenoisedFile {
 
     /// Writes the file whole or not at all. A `.png`, `.jpg` or `.tif` file shows the denoised layer through `tone`,
     /// brighter by `2^exposure`, and a `.hdr` file has it in linear values. Any
-    /// other name is an EXR file with all channels of the file that was read, to the last bit, and the layer `denoised`.
+    /// other name is an EXR file with all channels of the file that was read, to the last bit, and the layer `denoised`. Calls `tell`
+    /// with the share that is written, in [0, 1], again and again.
     ///
     /// # Errors
     /// [`Error::Write`].
-    pub fn write(&self, path: &Path, tone: ToneCurve, exposure: f32) -> Result<()> {
+    pub fn write(&self, path: &Path, tone: ToneCurve, exposure: f32, tell: &mut dyn FnMut(f64)) -> Result<()> {
         if let Some(format) = Format::of(path) {
-            let mut canvas = Canvas::new(format, [self.layers.width, self.layers.height], tone, exposure);
-            canvas.add(&self.denoised.pixels);
-            return canvas.write(path);
+            let canvas = Canvas::new(format, [self.layers.width, self.layers.height], tone, exposure);
+            return canvas.write(path, &self.denoised.pixels, tell);
         }
         let (mut columns, mut header) = (self.layers.columns(), self.header.clone());
         let is_half = columns.channels.iter().any(|(name, column)| name == "R" && matches!(column, Column::Halves(_)));
         self.denoised.add_channels(&mut columns, is_half, 0);
         self.denoised.add_attributes(&mut header.attributes);
-        exr::write_columns(path, &columns, &header, &mut |_| {})
+        exr::write_columns(path, &columns, &header, tell)
     }
 }
 

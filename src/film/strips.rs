@@ -4,12 +4,7 @@ use std::ops::Range;
 
 use crate::Result;
 use crate::film::Picture;
-use crate::image::Image;
-
-/// Pixels that are read at a time.
-const PIXELS_AT_A_TIME: u32 = 1 << 18;
-/// Rows whose multiples are read at a time: blocks of files and tiles of films then are read once.
-const ROWS: u32 = 16;
+use crate::image::rows_at_a_time;
 
 /// A picture that gives its rows.
 pub trait Strips {
@@ -78,11 +73,6 @@ impl Strips for Picture {
     }
 }
 
-/// Number of rows of this width that are read at a time.
-pub fn rows_at_a_time(width: u32) -> u32 {
-    PIXELS_AT_A_TIME.div_ceil(width.max(1)).next_multiple_of(ROWS)
-}
-
 /// Calls `act` with all pixels, one strip after the other.
 ///
 /// # Errors
@@ -90,24 +80,22 @@ pub fn rows_at_a_time(width: u32) -> u32 {
 pub fn each(strips: &dyn Strips, act: &mut dyn FnMut(&Pixels<'_>)) -> Result<()> {
     let [width, height] = strips.size();
     for first in (0..height).step_by(rows_at_a_time(width) as usize) {
-        let rows = first..height.min(first + rows_at_a_time(width));
-        let strip = strips.strip(rows.clone())?;
-        let pixels = |rows: Range<u32>| rows.start as usize * width as usize..rows.end as usize * width as usize;
-        let within = pixels(rows.start - strip.first()..rows.end - strip.first());
-        act(&Pixels { picture: strip.picture(), within, of_whole: pixels(rows) });
+        with_rows(strips, first..height.min(first + rows_at_a_time(width)), act)?;
     }
     Ok(())
 }
 
-/// The mean radiance as an image.
+/// Calls `act` with the pixels of some rows.
 ///
 /// # Errors
-/// Where a strip cannot be read.
-pub fn image(strips: &dyn Strips) -> Result<Image> {
-    let [width, height] = strips.size();
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    each(strips, &mut |strip| pixels.extend_from_slice(&strip.picture.radiance[strip.within.clone()]))?;
-    Ok(Image { width, height, pixels })
+/// Where they cannot be read.
+pub fn with_rows(strips: &dyn Strips, rows: Range<u32>, act: &mut dyn FnMut(&Pixels<'_>)) -> Result<()> {
+    let width = strips.size()[0] as usize;
+    let strip = strips.strip(rows.clone())?;
+    let pixels = |rows: Range<u32>| rows.start as usize * width..rows.end as usize * width;
+    let within = pixels(rows.start - strip.first()..rows.end - strip.first());
+    act(&Pixels { picture: strip.picture(), within, of_whole: pixels(rows) });
+    Ok(())
 }
 
 /// Numbers of samples of a picture's pixels.

@@ -27,21 +27,33 @@ impl Default for Exposure {
     }
 }
 
+/// Luminances by which an automatic exposure is chosen: 8 bytes a pixel.
+#[derive(Debug, Clone, Default)]
+pub struct Luminances {
+    of_surfaces: Vec<f64>,
+    /// Luminances of pixels that show no surface. They count where no others do.
+    of_others: Vec<f64>,
+}
+
+impl Luminances {
+    /// Adds pixels, and whether each shows a surface. Black ones do not count.
+    pub fn add<'a>(&mut self, pixels: impl Iterator<Item = (&'a [f32; 3], bool)>) {
+        for (pixel, shows_surface) in pixels {
+            let luminance = luminance(pixel.map(f64::from));
+            if luminance.is_finite() && luminance > 0.0 {
+                if shows_surface { &mut self.of_surfaces } else { &mut self.of_others }.push(luminance);
+            }
+        }
+    }
+}
+
 impl Exposure {
     /// Number of stops for a picture. Pixels that show no surface do not count, nor do black ones.
-    pub fn stops(self, pixels: &[[f32; 3]], shows_surface: impl Fn(usize) -> bool) -> f32 {
+    pub fn stops(self, Luminances { of_surfaces, of_others }: Luminances) -> f32 {
         let Self::Auto = self else {
             return if let Self::Stops(stops) = self { stops } else { 0.0 };
         };
-        let of = |counts: &dyn Fn(usize) -> bool| -> Vec<f64> {
-            let pixels = pixels.iter().enumerate().filter(|(at, _)| counts(*at));
-            let luminances = pixels.map(|(_, pixel)| luminance(pixel.map(f64::from)));
-            luminances.filter(|luminance| luminance.is_finite() && *luminance > 0.0).collect()
-        };
-        let mut luminances = of(&shows_surface);
-        if luminances.is_empty() {
-            luminances = of(&|_| true);
-        }
+        let mut luminances = if of_surfaces.is_empty() { of_others } else { of_surfaces };
         if luminances.is_empty() {
             return 0.0;
         }
@@ -57,6 +69,12 @@ impl Exposure {
 mod tests {
     use super::*;
 
+    fn stops(exposure: Exposure, pixels: &[[f32; 3]], shows_surface: impl Fn(usize) -> bool) -> f32 {
+        let mut luminances = Luminances::default();
+        luminances.add(pixels.iter().enumerate().map(|(at, pixel)| (pixel, shows_surface(at))));
+        exposure.stops(luminances)
+    }
+
     #[test]
     fn most_of_the_surfaces_become_darker_than_white() {
         // 90 pixels of 0.05, nine of 51.2, a firefly, and a background of 1000.
@@ -64,16 +82,16 @@ mod tests {
         pixels.extend([[51.2; 3]; 9]);
         pixels.push([f32::MAX; 3]);
         pixels.extend([[1000.0; 3]; 50]);
-        assert_eq!(Exposure::Auto.stops(&pixels, |at| at < 100), -6.0);
-        assert_eq!(Exposure::Auto.stops(&pixels, |at| at < 90), 4.0);
-        assert_eq!(Exposure::Stops(1.5).stops(&pixels, |_| true), 1.5);
+        assert_eq!(stops(Exposure::Auto, &pixels, |at| at < 100), -6.0);
+        assert_eq!(stops(Exposure::Auto, &pixels, |at| at < 90), 4.0);
+        assert_eq!(stops(Exposure::Stops(1.5), &pixels, |_| true), 1.5);
     }
 
     #[test]
     fn pictures_without_light_or_surfaces_have_an_exposure() {
-        assert_eq!(Exposure::Auto.stops(&[[0.0; 3], [f32::NAN; 3]], |_| true), 0.0);
-        assert_eq!(Exposure::Auto.stops(&[], |_| true), 0.0);
-        assert_eq!(Exposure::Auto.stops(&[[0.2; 3]; 4], |_| false), 2.0);
+        assert_eq!(stops(Exposure::Auto, &[[0.0; 3], [f32::NAN; 3]], |_| true), 0.0);
+        assert_eq!(stops(Exposure::Auto, &[], |_| true), 0.0);
+        assert_eq!(stops(Exposure::Auto, &[[0.2; 3]; 4], |_| false), 2.0);
     }
 
     /// Checkpoints keep an exposure as a number, as before there was an automatic one, or as nothing.

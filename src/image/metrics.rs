@@ -40,23 +40,61 @@ fn number_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::
 /// [`Error::Settings`] where the sizes differ or there are no pixels; [`Error::Render`] where a pixel is not finite.
 pub fn compare(image: &Image, reference: &Image) -> Result<Metrics> {
     check_same_size(image, reference)?;
-    check_finite("first", image)?;
-    check_finite("second", reference)?;
-    let pairs = || image.pixels.iter().zip(&reference.pixels).map(|(a, b)| (a.map(f64::from), b.map(f64::from)));
-    let (mut sums, mut relative) = (Sums::default(), Vec::with_capacity(image.pixels.len()));
-    for (a, b) in pairs() {
-        sums.add(a, b);
-        relative.push(mean3(std::array::from_fn(|c| (a[c] - b[c]).powi(2) / (b[c] * b[c] + RELATIVE_FLOOR))));
+    let mut comparison = Comparison::new(reference);
+    comparison.add(&image.pixels);
+    comparison.finish()
+}
+
+/// A comparison with a reference of a picture whose pixels come some at a time. Besides the reference, it takes 8 bytes a pixel.
+pub struct Comparison<'a> {
+    reference: &'a Image,
+    sums: Sums,
+    /// Relative error of each pixel so far.
+    relative: Vec<f64>,
+    /// Number of pixels so far that are not finite.
+    broken: usize,
+}
+
+impl<'a> Comparison<'a> {
+    /// A comparison without pixels yet.
+    pub fn new(reference: &'a Image) -> Self {
+        let relative = Vec::with_capacity(reference.pixels.len());
+        Self { reference, sums: Sums::default(), relative, broken: 0 }
     }
-    let value_count = 3.0 * image.pixels.len() as f64;
-    Ok(Metrics {
-        mae_ldr: sums.absolute_ldr / value_count,
-        mae: sums.absolute / value_count,
-        mse: sums.squared / value_count,
-        relmse: mean(&relative),
-        relmse_trim: trimmed_mean(relative),
-        mean_ratio: sums.image / sums.reference,
-    })
+
+    /// Adds the next pixels, row by row from the top left. Those beyond the reference's last do not count.
+    pub fn add(&mut self, pixels: &[[f32; 3]]) {
+        self.broken += count_of_broken(pixels);
+        for (a, b) in pixels.iter().zip(&self.reference.pixels[self.relative.len()..]) {
+            let (a, b) = (a.map(f64::from), b.map(f64::from));
+            self.sums.add(a, b);
+            self.relative.push(mean3(std::array::from_fn(|c| (a[c] - b[c]).powi(2) / (b[c] * b[c] + RELATIVE_FLOOR))));
+        }
+    }
+
+    /// The errors.
+    ///
+    /// # Errors
+    /// [`Error::Render`] where a pixel is not finite, and [`Error::Settings`] where pixels are missing.
+    pub fn finish(self) -> Result<Metrics> {
+        let Self { reference, sums, relative, broken } = self;
+        let all = reference.pixels.len();
+        if relative.len() != all {
+            let message = format!("{} of the picture's pixels are there, but {all} of the reference", relative.len());
+            return Err(Error::Settings(format!("{message}; compare pictures of one size")));
+        }
+        check_finite("first", broken, all)?;
+        check_finite("second", count_of_broken(&reference.pixels), all)?;
+        let value_count = 3.0 * all as f64;
+        Ok(Metrics {
+            mae_ldr: sums.absolute_ldr / value_count,
+            mae: sums.absolute / value_count,
+            mse: sums.squared / value_count,
+            relmse: mean(&relative),
+            relmse_trim: trimmed_mean(relative),
+            mean_ratio: sums.image / sums.reference,
+        })
+    }
 }
 
 #[derive(Default)]
@@ -107,14 +145,16 @@ fn check_same_size(image: &Image, reference: &Image) -> Result<()> {
     Ok(())
 }
 
-fn check_finite(which: &str, image: &Image) -> Result<()> {
-    let count = image.pixels.iter().filter(|pixel| !pixel.iter().all(|value| value.is_finite())).count();
-    if count == 0 {
+fn count_of_broken(pixels: &[[f32; 3]]) -> usize {
+    pixels.iter().filter(|pixel| !pixel.iter().all(|value| value.is_finite())).count()
+}
+
+fn check_finite(which: &str, broken: usize, total: usize) -> Result<()> {
+    if broken == 0 {
         return Ok(());
     }
-    let total = image.pixels.len();
     Err(Error::Render(format!(
-        "the {which} picture has {count} of {total} pixels that are infinite or not a number; render it again"
+        "the {which} picture has {broken} of {total} pixels that are infinite or not a number; render it again"
     )))
 }
 
@@ -157,6 +197,18 @@ mod tests {
         assert_close(metrics.relmse, 483.958_270_971_162);
         assert_close(metrics.relmse_trim, 5.477_645_549_117_699);
         assert_close(metrics.mean_ratio, 0.756_124_928_779_897_9);
+    }
+
+    /// Rows that come one after the other give the bits of a whole picture.
+    #[test]
+    fn pixels_may_come_some_at_a_time() {
+        let (first, second) = (first(), second());
+        let mut comparison = Comparison::new(&second);
+        first.pixels.chunks(100).for_each(|pixels| comparison.add(pixels));
+        assert_eq!(comparison.finish().unwrap(), compare(&first, &second).unwrap());
+        let mut comparison = Comparison::new(&second);
+        comparison.add(&first.pixels[1..]);
+        assert!(comparison.finish().is_err());
     }
 
     #[test]

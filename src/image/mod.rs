@@ -22,8 +22,18 @@ pub mod report;
 pub mod texels;
 pub mod tone;
 
-pub use exposure::Exposure;
+pub use exposure::{Exposure, Luminances};
 pub use tone::ToneCurve;
+
+/// Pixels that are read at a time.
+const PIXELS_AT_A_TIME: u32 = 1 << 18;
+/// Rows whose multiples are read at a time: blocks of files and tiles of films then are read once.
+const ROWS: u32 = 16;
+
+/// Number of rows of this width that are read at a time, where memory does not hold the whole picture.
+pub fn rows_at_a_time(width: u32) -> u32 {
+    PIXELS_AT_A_TIME.div_ceil(width.max(1)).next_multiple_of(ROWS)
+}
 
 /// A picture in linear sRGB.
 #[derive(Debug, Clone, PartialEq)]

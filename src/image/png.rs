@@ -3,13 +3,14 @@
 use std::io;
 use std::path::Path;
 
-use super::canvas::{Canvas, Format};
+use super::canvas::{Canvas, Format, encode_image_as_png};
 use super::{Image, ToneCurve};
 use crate::Result;
 
 /// Writes `image`, scaled by `2^exposure_stops` and shown through `curve`, to a PNG file.
 pub fn write(path: &Path, image: &Image, curve: ToneCurve, exposure_stops: f32) -> Result<()> {
-    Canvas::of_image(Format::Png, image, curve, exposure_stops).write(path)
+    let canvas = Canvas::new(Format::Png, [image.width, image.height], curve, exposure_stops);
+    canvas.write(path, &image.pixels, &mut |_| {})
 }
 
 /// Writes like [`write`], but to any writer.
@@ -17,7 +18,7 @@ pub fn write(path: &Path, image: &Image, curve: ToneCurve, exposure_stops: f32) 
 /// # Errors
 /// Where the writer fails, or the image has no pixels.
 pub fn encode(writer: impl io::Write, image: &Image, curve: ToneCurve, exposure_stops: f32) -> io::Result<()> {
-    Canvas::of_image(Format::Png, image, curve, exposure_stops).encode(writer)
+    encode_image_as_png(writer, image, curve, exposure_stops)
 }
 
 #[cfg(test)]

@@ -6,10 +6,10 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::denoise::DenoiseOptions;
-use crate::film::strips::{Pixels, Strips, each};
+use crate::film::strips::{Pixels, Strips, each, with_rows};
 use crate::film::{self, Denoised, Picture, Precision};
 use crate::image::canvas::{Canvas, Format};
-use crate::image::{Exposure, Image, ToneCurve, exr, metrics};
+use crate::image::{Exposure, Image, Luminances, ToneCurve, exr, metrics};
 use crate::scene::{Crop, Scene};
 use crate::settings::Settings;
 use crate::{Error, Result, files};
@@ -153,26 +153,23 @@ impl PictureFiles {
         tell: &dyn Fn(&Path, f64),
     ) -> Result<()> {
         let precision = if self.half { Precision::Half } else { Precision::Float };
+        let stops = self.stops(picture, denoised)?;
         let write = |path: &PathBuf| {
+            // The end is told once, when the file has its name.
+            let mut tell_share = |share| {
+                if share < 1.0 {
+                    tell(path, share)
+                }
+            };
             match Format::of(path) {
                 Some(format) => {
-                    let [width, height] = picture.size();
-                    let stops = if format.is_for_screens() { self.stops(picture, denoised)? } else { 0.0 };
-                    let mut canvas = Canvas::new(format, [width, height], self.tone, stops);
-                    each(picture, &mut |strip| {
-                        canvas.add(shown(strip, denoised));
-                        tell(path, 0.5 * strip.of_whole.end as f64 / (width as usize * height as usize) as f64);
-                    })?;
-                    canvas.write(path)?;
-                }
-                None => {
-                    let mut tell = |share| {
-                        if share < 1.0 {
-                            tell(path, share)
-                        }
+                    let canvas = Canvas::new(format, picture.size(), self.tone, stops);
+                    let mut read = |rows, colors: &mut Vec<[f32; 3]>| {
+                        with_rows(picture, rows, &mut |pixels| colors.extend_from_slice(shown(pixels, denoised)))
                     };
-                    film::write_strips(path, picture, attributes, precision, denoised, &mut tell)?;
+                    canvas.write_rows(path, &mut read, &mut tell_share)?;
                 }
+                None => film::write_strips(path, picture, attributes, precision, denoised, &mut tell_share)?,
             }
             tell(path, 1.0);
             Ok(())
@@ -180,21 +177,27 @@ impl PictureFiles {
         self.paths.iter().map(write).fold(Ok(()), Result::and)
     }
 
+    /// Whether a file is for screens and has an exposure that its pixels choose.
+    pub(super) fn chooses_exposure(&self) -> bool {
+        let mut formats = self.paths.iter().filter_map(|path| Format::of(path));
+        self.exposure == Exposure::Auto && formats.any(Format::is_for_screens)
+    }
+
     /// Exposure of the picture in files for screens, in stops.
     fn stops(&self, picture: &dyn Strips, denoised: Option<&Denoised>) -> Result<f32> {
-        let Exposure::Auto = self.exposure else { return Ok(self.exposure.stops(&[], |_| true)) };
-        let (mut pixels, mut surfaces) = (Vec::new(), Vec::new());
-        each(picture, &mut |strip| {
-            pixels.extend_from_slice(shown(strip, denoised));
-            surfaces.extend(strip.picture.hit_count[strip.within.clone()].iter().map(|&count| count > 0));
-        })?;
-        Ok(self.exposure.stops(&pixels, |at| surfaces[at]))
+        let mut luminances = Luminances::default();
+        if self.chooses_exposure() {
+            each(picture, &mut |strip| {
+                let shows_surface = strip.picture.hit_count[strip.within.clone()].iter().map(|&count| count > 0);
+                luminances.add(shown(strip, denoised).iter().zip(shows_surface));
+            })?;
+        }
+        Ok(self.exposure.stops(luminances))
     }
 
     /// Line about the exposure of files for screens, where it is automatic.
     pub(super) fn exposure_line(&self, picture: &dyn Strips, denoised: Option<&Denoised>) -> Result<Option<String>> {
-        let is_shown = self.paths.iter().any(|path| Format::of(path).is_some_and(Format::is_for_screens));
-        if !is_shown || self.exposure != Exposure::Auto {
+        if !self.chooses_exposure() {
             return Ok(None);
         }
         let stops = self.stops(picture, denoised)?;
@@ -276,6 +279,10 @@ pub(super) fn absolute_path(path: &Path) -> Result<String> {
 
 /// Reads the reference. A reference with the size of the whole film is cut to the rendered window.
 pub(super) fn read_reference(path: &Path, settings: &Settings) -> Result<Image> {
+    if Format::of(path).is_some() {
+        let message = "a reference is an EXR picture, whose colors are linear and have no largest value; give one";
+        return Err(Error::image(path, message));
+    }
     let image = exr::read_rgb(path)?;
     // The comparison with itself refuses a reference with broken pixels before the first step.
     metrics::compare(&image, &image).map_err(|_| {

@@ -107,6 +107,9 @@ fn write_measured(
     errors: &mut Option<Metrics>,
     watch: &Watch<'_>,
 ) -> Result<()> {
+    if running.output().measures() {
+        watch.tell(Event::Finishing("measuring the errors against the reference"));
+    }
     let measured = running.output().measure(picture).map(|measured| *errors = measured);
     errors.iter().for_each(|errors| watch.tell(Event::Note(&error_sentence(errors))));
     write_sampled(running, picture, is_rendered, watch).and(measured)
@@ -121,6 +124,9 @@ fn write_sampled(running: &Running, picture: &dyn Strips, is_rendered: bool, wat
             watch.warn(&format!("{empty} of {all} pixels are black: the render ended before their first sample"));
         }
         running.output().pictures.half_warning(picture)?.iter().for_each(|warning| watch.warn(warning));
+        if running.output().denoises() {
+            watch.tell(Event::Finishing("denoising the picture"));
+        }
         let denoised = running.output().denoise(picture);
         // A picture that cannot be denoised is still written.
         let layer = denoised.as_ref().ok().and_then(Option::as_ref);

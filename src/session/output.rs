@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use crate::Result;
 use crate::denoise::Denoiser;
 use crate::film::Denoised;
-use crate::film::strips::{Strips, image};
-use crate::image::{Image, metrics};
+use crate::film::strips::{Strips, each};
+use crate::image::Image;
+use crate::image::metrics::{Comparison, Metrics};
 use crate::session::files::{OutputFiles, PictureFiles};
 use crate::session::progress::{Event, Watch};
 use crate::session::safety_copy::SafetyCopy;
@@ -62,9 +63,11 @@ impl Output {
     }
 
     /// Error of `picture`, if there is a reference.
-    pub fn measure(&self, picture: &dyn Strips) -> Result<Option<metrics::Metrics>> {
-        let reference = self.reference.as_ref();
-        reference.map(|reference| metrics::compare(&image(picture)?, reference)).transpose()
+    pub fn measure(&self, picture: &dyn Strips) -> Result<Option<Metrics>> {
+        let Some(reference) = &self.reference else { return Ok(None) };
+        let mut comparison = Comparison::new(reference);
+        each(picture, &mut |strip| comparison.add(&strip.picture.radiance[strip.within.clone()]))?;
+        comparison.finish().map(Some)
     }
 
     /// Whether errors are measured against a reference.

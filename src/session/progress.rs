@@ -105,6 +105,8 @@ pub enum Event<'a> {
     InStep(&'a Progress),
     /// The last step has ended. The files follow.
     Rendered,
+    /// This work on the last picture begins, such as `denoising the picture`.
+    Finishing(&'static str),
     /// The picture so far is being written into this file. The share that is written is in [0, 1).
     Writing(&'a Path, f64),
     /// The picture so far was written into this file.

@@ -100,6 +100,7 @@ fn an_output_that_cannot_be_written_is_known_before_the_device_is_opened() {
 fn a_reference_that_is_none() {
     let folder = Folder::new();
     refuse(&folder, &["--reference", "missing.exr"], 1, &["missing.exr: cannot be read"]);
+    refuse(&folder, &["--reference", "a.png"], 1, &["a.png: a reference is an EXR picture, whose colors are linear"]);
     folder.write("text.exr", "no picture");
     refuse(&folder, &["--reference", "text.exr"], 1, &["text.exr: it is not a whole EXR image"]);
     crate::compare::write_row(&folder.path("row.exr"), 16, 1.0);
