@@ -42,6 +42,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+pub use memory_needs::PictureWork;
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
@@ -55,7 +56,6 @@ use crate::generated::kernels::{BackEnd, Kernels, Variant};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
-use crate::renderer::film_store::pages::{MOST_WHOLE_PIXELS, padded_pixels};
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::sets::Sets;
@@ -155,11 +155,6 @@ impl Renderer {
     pub(crate) fn picture_rows(&self, rows: &Range<u32>) -> Result<Picture> {
         let picture = self.film_store.picture(&self.sets.frame, &self.settings, rows)?;
         Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
-    }
-
-    /// Whether the film is so large that it is read some rows at a time.
-    pub(crate) fn is_large(&self) -> bool {
-        padded_pixels(&self.settings) > MOST_WHOLE_PIXELS
     }
 
     /// Whether copies of the whole film are kept in the host's memory. Where it is the device's own, a copy of a large film would take as

@@ -16,6 +16,7 @@ use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::Learning;
+use crate::renderer::memory_needs::PictureWork;
 use crate::renderer::sets::Sets;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -48,11 +49,27 @@ impl Renderer {
         settings: &Settings,
         registry: &Registry,
     ) -> Result<Self> {
+        Self::with_work(context, scene, surfaces, bvh, settings, registry, PictureWork::default())
+    }
+
+    /// Does the work of [`Renderer::with_surfaces`] where memory must also suffice for `work` on the picture.
+    ///
+    /// # Errors
+    /// Where a setting is out of range or the device cannot hold the scene.
+    pub fn with_work(
+        context: &Arc<Context>,
+        scene: &Scene,
+        surfaces: Surfaces,
+        bvh: &Bvh,
+        settings: &Settings,
+        registry: &Registry,
+        work: PictureWork,
+    ) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh, settings.learns_lights()) };
         let cells = cells_of(settings, bvh, &media::boxes(scene), shading.lights.group_count());
-        let plan = execution::resolve(context.device(), settings, &shading, bvh, &cells)?;
+        let plan = execution::resolve(context.device(), settings, &shading, bvh, &cells, work)?;
         Self::build(context, scene, &shading, bvh, cells, &plan, registry).map_err(|error| plan.needs.explain(error))
     }
 

@@ -3,6 +3,7 @@
 
 use crate::film::ranges::SampleRanges;
 use crate::image::Image;
+use crate::renderer::PictureWork;
 use crate::scene::Scene;
 use crate::session::checkpoint::Record;
 use crate::session::files::{OutputFiles, PictureFiles, read_reference};
@@ -160,5 +161,13 @@ impl Inputs {
         let wanted = options.files.clone().unwrap_or_default();
         let reference = wanted.reference.as_deref().map(|path| read_reference(path, &plan.settings)).transpose()?;
         Ok(Self { wanted, pictures, kernels, reference })
+    }
+    /// Work on the picture besides writing it.
+    pub fn picture_work(&self) -> PictureWork {
+        PictureWork {
+            is_denoised: self.wanted.denoise.is_some(),
+            is_compared: self.reference.is_some(),
+            has_auto_exposure: self.pictures.chooses_exposure(),
+        }
     }
 }

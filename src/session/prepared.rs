@@ -24,7 +24,6 @@ use crate::session::checkpoints::CheckpointFile;
 use crate::session::devices::device_name;
 use crate::session::files::OutputFiles;
 use crate::session::guide_file::GuideFile;
-use crate::session::kernel_files::KernelFiles;
 use crate::session::length::Length;
 use crate::session::options::Options;
 use crate::session::output::Output;
@@ -93,7 +92,7 @@ impl Prepared {
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.stored_primitives());
         let (fleet, guide_cells, bvh_seconds, pipeline_seconds) =
-            build(scene, &contexts, &plan.settings, &inputs.kernels, guide.as_ref(), watch)?;
+            build(scene, &contexts, &plan.settings, &inputs, guide.as_ref(), watch)?;
         watch.tell(Event::Ready);
         inputs.kernels.unused(fleet.first().back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
@@ -195,7 +194,7 @@ fn build(
     mut scene: Cow<'_, Scene>,
     contexts: &[Arc<Context>],
     settings: &Settings,
-    kernels: &KernelFiles,
+    inputs: &Inputs,
     guide: Option<&GuideFile>,
     watch: &Watch<'_>,
 ) -> Result<(Fleet, Option<Cells>, f64, f64)> {
@@ -208,9 +207,9 @@ fn build(
         drop(std::mem::take(&mut scene.instances));
     }
     watch.tell(Event::Preparing(Preparation::Kernels));
+    let (registry, work) = (inputs.kernels.registry(), inputs.picture_work());
     let build = || {
-        let build =
-            |context, surfaces| Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+        let build = |context, surfaces| Renderer::with_work(context, &scene, surfaces, &bvh, settings, registry, work);
         let others =
             contexts[1..].iter().map(|context| build(context, surfaces.clone())).collect::<Result<Vec<_>>>()?;
         Fleet::new(build(&contexts[0], surfaces)?, others)

@@ -10,16 +10,16 @@ use crate::renderer::Renderer;
 
 /// The picture of a running render.
 pub(super) enum Source<'a> {
-    /// A small picture, or one that a denoiser needs whole.
+    /// A picture of which the host keeps copies anyway, or that a denoiser needs whole. It is read once for all files.
     Whole(Box<Picture>),
-    /// A large picture: some rows at a time are read from the device. Memory never holds all of them.
+    /// A large picture of a CPU: some rows at a time are read from the device, whose memory is the host's. A copy never lies beside it.
     OnDevice(&'a Renderer),
 }
 
 impl<'a> Source<'a> {
     /// Picture of the render so far.
     pub fn of(fleet: &'a Fleet, needs_whole: bool) -> Result<Self> {
-        if needs_whole || !fleet.first().is_large() {
+        if needs_whole || fleet.first().has_copies() {
             return Ok(Self::Whole(Box::new(fleet.picture()?)));
         }
         Ok(Self::OnDevice(fleet.gathered()?))

@@ -50,6 +50,27 @@ fn a_large_picture_is_written_without_a_copy_of_it() {
     assert_eq!((large.offset, large.full_size, large.view), ([0, 0], [2112, 2000], window.view));
 }
 
+/// A denoiser's memory is told with the rest. It takes more than the film.
+#[test]
+fn memory_of_a_denoiser_is_told() {
+    let Some(library) = support::denoiser_folder() else { return };
+    let folder = Folder::new();
+    let small = besides_small(&folder);
+    let size = ["--width", "640", "--height", "512"];
+    let denoised = ["--spp", "1", "--sampler", "bsdf", "--denoise", "--oidn", library.to_str().unwrap()];
+    let denoised = besides(&folder, &[&denoised[..], &size, &["-o", "denoised.exr"]].concat());
+    if let (Some(small), Some(denoised)) = (small, denoised) {
+        let told = 32.0e6 + f64::from(640 * 512) * (2.0 * 64.0 + 96.0 + 720.0);
+        let taken = denoised - small;
+        assert!(taken < 1.5 * told && taken > 0.5 * told, "{taken} bytes are taken, {told} are told");
+    }
+    let large =
+        ["render", "scene.xml", "--spp", "1", "--width", "65536", "--height", "65536", "--denoise", "-o", "a.exr"];
+    let output = folder.command(&large).env("LODESTAR_OIDN", &library).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("denoising it 416 GB (none without --denoise)"), "{message}");
+}
+
 /// A render that ends early touches the film's memory only where it has samples.
 #[test]
 fn memory_that_no_sample_reaches_is_not_touched() {

@@ -299,15 +299,23 @@ pub(crate) fn film_bytes(settings: &Settings) -> u64 {
 
 /// Pixels of the largest film of which the host keeps a whole copy where the device's memory is the host's own. Larger ones are read
 /// some rows at a time, and have no safety copy.
-pub(crate) const MOST_WHOLE_PIXELS: u64 = 1 << 22;
+const MOST_WHOLE_PIXELS: u64 = 1 << 22;
 
-/// Bytes that reading it back takes of the host.
-pub(crate) fn host_film_bytes(settings: &Settings, is_cpu: bool) -> u64 {
+/// Whether a whole copy of the film of these settings lies in the host's memory while it is rendered.
+pub(crate) fn has_copies(settings: &Settings, is_cpu: bool) -> bool {
+    !is_cpu || padded_pixels(settings) <= MOST_WHOLE_PIXELS
+}
+
+/// Bytes that reading it back takes of the host. A safety copy is dropped when the next one is there.
+pub(crate) fn host_film_bytes(settings: &Settings, is_cpu: bool, needs_whole: bool) -> u64 {
     let pixels = padded_pixels(settings);
     let of_part = if settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { 0 };
-    let is_in_rows = is_cpu && pixels > MOST_WHOLE_PIXELS;
-    let of_film = if is_in_rows { u64::from(READ_PIXELS) } else { pixels } * HOST_PIXEL_BYTES;
-    of_film.saturating_add(pixels.saturating_mul(of_part))
+    let pixels_held = match (has_copies(settings, is_cpu), needs_whole) {
+        (true, _) => pixels.saturating_mul(2),
+        (false, true) => pixels,
+        (false, false) => READ_PIXELS.into(),
+    };
+    pixels_held.saturating_mul(HOST_PIXEL_BYTES).saturating_add(pixels.saturating_mul(of_part))
 }
 
 /// Pixels of the whole tiles that cover the window.

@@ -6,7 +6,7 @@ use crate::encode::query_geometry::QueryGeometry;
 use crate::encode::surfaces::Shading;
 use crate::generated::layout::TEXEL_BYTES;
 use crate::gpu::{DeviceInfo, DeviceKind};
-use crate::renderer::memory_needs::MemoryNeeds;
+use crate::renderer::memory_needs::{MemoryNeeds, PictureWork};
 use crate::renderer::sets::bvh::BvhSet;
 use crate::settings::{Execution, Settings, Traversal};
 use crate::{Error, Result};
@@ -27,11 +27,12 @@ pub(crate) fn resolve(
     shading: &Shading,
     bvh: &Bvh,
     cells: &Cells,
+    work: PictureWork,
 ) -> Result<Plan> {
     let traversal = resolve_traversal(device, settings.traversal, bvh)?;
     let plan = |execution| {
         let settings = Settings { execution, traversal, ..settings.clone() };
-        Plan { needs: MemoryNeeds::new(device, shading, bvh, cells, &settings), settings }
+        Plan { needs: MemoryNeeds::new(device, shading, bvh, cells, &settings, work), settings }
     };
     let plan = match settings.execution {
         Execution::Megakernel => plan(Execution::Megakernel),
@@ -48,7 +49,7 @@ pub(crate) fn resolve(
     let fit = plan.needs.check(device);
     if fit.is_err() && settings.traversal == Traversal::Auto && traversal == Traversal::Query {
         let settings = Settings { traversal: Traversal::Compute, ..settings.clone() };
-        return resolve(device, &settings, shading, bvh, cells);
+        return resolve(device, &settings, shading, bvh, cells, work);
     }
     fit.map(|()| plan)
 }
