@@ -317,15 +317,40 @@ fn more_triangles_than_fit_are_refused_before_they_are_made() {
     assert!(error.contains("no more than 33554432 fit"), "{error}");
 }
 
-/// The header of a PLY file tells that it has too many faces, before they are read.
+/// Headers of PLY files tell that there are too many faces, before a file is read. The files end after their headers.
 #[test]
-fn ply_files_of_too_many_faces_are_refused_by_their_header() {
+fn ply_files_of_too_many_faces_are_refused_by_their_headers() {
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
-               element face 40000000\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n";
-    let body = r#"<shape type="ply"><string name="filename" value="a.ply"/></shape>"#;
-    let error = Folder::new(&[("scene.xml", &with_sensor(body)), ("a.ply", ply)]).load(&[]).map(drop);
+               element face 15000000\nproperty list uchar int vertex_indices\nend_header\n";
+    let shape = |name: &str| format!(r#"<shape type="ply"><string name="filename" value="{name}"/></shape>"#);
+    let names = ["a.ply", "b.ply", "c.ply", "d.ply"];
+    let body = names.map(shape).join("\n");
+    let scene = with_sensor(&body);
+    let files: Vec<_> = [("scene.xml", &scene[..])].into_iter().chain(names.map(|name| (name, ply))).collect();
+    let folder = Folder::new(&files);
+    let error = folder.load(&[]).map(drop).expect_err("60 million are too many").to_string();
+    let sentence = "c.ply the scene has 45000000 triangles or more, and 60000000 or more with all meshes; no more than 33554432 fit";
+    assert!(error.contains("scene.xml:") && error.contains(sentence), "{error}");
+    // A file that alone has too many says so.
+    let alone = ply.replace("15000000", "40000000") + "0 0 0\n";
+    let body = shape("a.ply");
+    let error = Folder::new(&[("scene.xml", &with_sensor(&body)), ("a.ply", &alone)]).load(&[]).map(drop);
     let error = error.expect_err("40 million are too many").to_string();
     assert!(error.contains("the header promises 40000000 faces; no more than 33554432 fit a scene"), "{error}");
+    // A file counts once, whatever number of shapes shows it.
+    let body = shape("a.ply").repeat(10);
+    let error = Folder::new(&[("scene.xml", &with_sensor(&body)), ("a.ply", ply)]).load(&[]).map(drop);
+    let error = error.expect_err("the file ends too early").to_string();
+    assert!(error.contains("a.ply") && !error.contains("fit"), "{error}");
+}
+
+/// The head of a serialized mesh tells its number of triangles, too.
+#[test]
+fn serialized_meshes_of_too_many_triangles_are_refused_by_their_heads() {
+    let counts = [3_u64, 40_000_000].map(u64::to_le_bytes).concat();
+    let content = [&0x1000_u32.to_le_bytes()[..], &counts].concat();
+    let error = load_bytes("serialized", &compressed(3, &content), "").map(drop).unwrap_err().to_string();
+    assert!(error.contains("40000000 triangles or more, and 40000000 or more with all meshes"), "{error}");
 }
 
 /// Instances of a large group are kept, but for those that have no inverse. Spheres are copied.

@@ -61,6 +61,15 @@ pub(super) fn read(path: &Path, format: MeshFormat, attributes: &[&str]) -> Resu
     Ok(mesh)
 }
 
+/// Number of faces that the beginning of a mesh file promises, where its format tells it and the file can be read.
+pub(super) fn promised_faces(path: &Path, format: MeshFormat) -> Option<u64> {
+    match format {
+        MeshFormat::Ply => ply::promised_faces(inputs::open(path).ok()?.0),
+        MeshFormat::Serialized(index) => serialized::promised_triangles(path, index),
+        MeshFormat::Obj | MeshFormat::Curves(_) | MeshFormat::Memory(_) => None,
+    }
+}
+
 /// Warning about the faces of a file that were left out.
 pub(super) fn warning(path: &Path, mesh: &Mesh) -> Option<String> {
     let count = mesh.left_out;

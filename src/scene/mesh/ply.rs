@@ -2,6 +2,7 @@
 //! not trusted: memory grows only with the data that arrives.
 
 use std::collections::HashMap;
+use std::io::Read;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
@@ -11,11 +12,24 @@ use super::triangles::{Cutter, MAX_TRIANGLES, Mesh};
 use super::words::Words;
 use crate::{Error, Result, quoted};
 
+/// Bytes in which a header is looked for without reading the file.
+const MOST_HEADER_BYTES: u64 = 1 << 16;
+
 /// Reads the mesh in the PLY file at `path`, which holds `bytes`, with those of the `attributes` that it has.
 pub(super) fn parse(path: &Path, bytes: &[u8], attributes: &[&str]) -> Result<Mesh> {
     let fault = |(line, message): (Option<u32>, String)| Error::scene(path, line, message);
     let (header, source) = read_header(bytes).map_err(fault)?;
     read_body(&header, source, attributes).map_err(fault)
+}
+
+/// Number of faces that the header of a file promises; `None` where it is no header of usual length, and where the file alone has more
+/// than fit, which [`parse`] tells.
+pub(super) fn promised_faces(file: impl Read) -> Option<u64> {
+    let mut beginning = Vec::new();
+    file.take(MOST_HEADER_BYTES).read_to_end(&mut beginning).ok()?;
+    let (elements, _) = read_header(&beginning).ok()?;
+    let faces = elements.iter().find(|element| element.name == "face")?.count;
+    (faces <= MAX_TRIANGLES as u64).then_some(faces)
 }
 
 /// Line of the fault (for text files) and message.

@@ -24,7 +24,24 @@ pub(super) fn read(path: &Path, index: usize) -> Result<Mesh> {
     read_mesh(BufReader::new(file), length, index).map_err(|message| Error::scene(path, None, message))
 }
 
-fn read_mesh<R: BufRead + Seek>(mut file: R, length: u64, index: usize) -> Result<Mesh, String> {
+/// Number of triangles that mesh number `index` of the file at `path` promises; `None` where it cannot be read.
+pub(super) fn promised_triangles(path: &Path, index: usize) -> Option<u64> {
+    let (file, length) = inputs::open(path).ok()?;
+    let (mut stream, version) = stream_of(BufReader::new(file), length, index).ok()?;
+    stream.head(version).ok().map(|head| head.triangle_count as u64)
+}
+
+fn read_mesh<R: BufRead + Seek>(file: R, length: u64, index: usize) -> Result<Mesh, String> {
+    let (mut stream, version) = stream_of(file, length, index)?;
+    stream.mesh(version)
+}
+
+/// Content of mesh number `index`, and the file's version.
+fn stream_of<R: BufRead + Seek>(
+    mut file: R,
+    length: u64,
+    index: usize,
+) -> Result<(Stream<ZlibDecoder<R>>, u64), String> {
     let version = version(&mut file).ok_or("this is not a serialized mesh: its first bytes are wrong")?;
     if version != 3 && version != 4 {
         return Err(format!("version {version} of serialized meshes is not supported; write 3 or 4"));
@@ -37,7 +54,7 @@ fn read_mesh<R: BufRead + Seek>(mut file: R, length: u64, index: usize) -> Resul
         }
     }
     let content = ZlibDecoder::new(file).take(inflate::most_bytes(length));
-    Stream { bytes: BufReader::new(content), doubles: false }.mesh(version)
+    Ok((Stream { bytes: BufReader::new(content), doubles: false }, version))
 }
 
 /// Version in a mesh's header; `None` where it is no serialized mesh.
@@ -73,6 +90,13 @@ fn number(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
 }
 
+/// What stands before the vertices of a mesh.
+struct Head {
+    flags: u32,
+    vertex_count: usize,
+    triangle_count: usize,
+}
+
 /// Decompressed content of a mesh.
 struct Stream<R> {
     bytes: BufReader<Take<R>>,
@@ -80,14 +104,18 @@ struct Stream<R> {
 }
 
 impl<R: Read> Stream<R> {
-    fn mesh(&mut self, version: u64) -> Result<Mesh, String> {
+    /// Reads what stands before the vertices.
+    fn head(&mut self, version: u64) -> Result<Head, String> {
         let flags = number(&self.take::<4>()?) as u32;
         self.doubles = flags & DOUBLES != 0;
         if version >= 4 {
             while self.take::<1>()? != [0] {}
         }
-        let vertex_count = self.count("vertices")?;
-        let triangle_count = self.count("triangles")?;
+        Ok(Head { flags, vertex_count: self.count("vertices")?, triangle_count: self.count("triangles")? })
+    }
+
+    fn mesh(&mut self, version: u64) -> Result<Mesh, String> {
+        let Head { flags, vertex_count, triangle_count } = self.head(version)?;
         let mut mesh = Mesh { positions: self.vectors(vertex_count)?, ..Mesh::default() };
         if flags & NORMALS != 0 {
             mesh.normals = self.vectors(vertex_count)?;

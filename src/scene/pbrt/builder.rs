@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::color_space::ColorSpace;
 use super::curves::{self, Curve};
 use super::files::Files;
-use super::form::Form;
+use super::form::{Form, too_many_triangles};
 use super::old_files;
 use super::parameters::{MAX_PARAMETERS, Parameter, Parameters};
 use super::read_form;
@@ -420,7 +420,7 @@ impl Builder {
         };
         let Some(form) = self.faults.keep(form) else { return Ok(()) };
         if form.triangle_count() > room {
-            return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
+            return Err(entity.error(too_many_triangles(self.triangle_count + form.triangle_count())));
         }
         self.triangle_count += form.triangle_count();
         self.vertex_count += form.vertex_count() + tubes.iter().flatten().map(Vec::len).sum::<usize>();
@@ -516,9 +516,12 @@ mod tests {
         add("loopsubdiv", &format!("{triangle} \"integer levels\" 2")).unwrap();
         add("trianglemesh", triangle).unwrap();
         let error = add("cylinder", "").unwrap_err().to_string();
-        assert_eq!(error, format!("a.pbrt:1: with this shape the scene has more than {MAX_TRIANGLES} triangles"));
+        let (sentence, limit) = ("a.pbrt:1: with this shape the scene has 335", "so far; no more than 33554432 fit");
+        assert!(error.starts_with(sentence) && error.contains(" triangles ") && error.ends_with(limit), "{error}");
         assert_eq!((builder.world.shapes.len(), builder.triangle_count), (2, MAX_TRIANGLES));
         let fault = builder.faults.into_result().unwrap_err().to_string();
-        assert!(fault.starts_with("a.pbrt:1: `loopsubdiv`: with 2 levels the scene has more than"), "{fault}");
+        let sentence =
+            "with 2 levels the scene has 33554447 triangles so far, but no more than 33554432 fit; use fewer";
+        assert_eq!(fault, format!("a.pbrt:1: `loopsubdiv`: {sentence}"));
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DMat4;
 
-use crate::scene::mesh::Mesh;
+use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
 
 /// Form of a shape in its own space.
 #[derive(Debug)]
@@ -24,6 +24,11 @@ pub(super) enum Form {
         radius: f64,
         height: f64,
     },
+}
+
+/// Sentence about a shape with which a scene has more triangles than fit.
+pub(super) fn too_many_triangles(so_far: usize) -> String {
+    format!("with this shape the scene has {so_far} triangles so far; no more than {MAX_TRIANGLES} fit")
 }
 
 impl Form {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::area_lights::AreaLight;
-use super::form::{Form, own_area, triangle_areas};
+use super::form::{Form, own_area, too_many_triangles, triangle_areas};
 use super::materials::{Cover, Materials};
 use super::media::Media;
 use super::names::Names;
@@ -139,7 +139,7 @@ impl<'l> Shapes<'l> {
     fn count(&mut self, mesh: &Mesh, entity: &Entity) -> Result<()> {
         self.triangle_count += mesh.triangles.len();
         match self.triangle_count > MAX_TRIANGLES {
-            true => Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles"))),
+            true => Err(entity.error(too_many_triangles(self.triangle_count))),
             false => Ok(()),
         }
     }

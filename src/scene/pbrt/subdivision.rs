@@ -23,9 +23,14 @@ struct Ring {
 /// Mesh after `levels` refinements, with its vertices on the limit surface. `room` is the most triangles that it may have: those
 /// that the scene's other shapes leave of [`MAX_TRIANGLES`]. The error says why there is no mesh.
 pub(super) fn subdivide(control: &Mesh, levels: u32, room: usize) -> Result<Mesh, String> {
-    let count = control.triangles.len().max(1);
-    if 4_usize.checked_pow(levels).and_then(|factor| factor.checked_mul(count)).is_none_or(|all| all > room) {
-        return Err(format!("with {levels} levels the scene has more than {MAX_TRIANGLES} triangles; use fewer"));
+    let count = control.triangles.len().max(1) as u128;
+    let others = (MAX_TRIANGLES - room.min(MAX_TRIANGLES)) as u128;
+    let all = 4_u128.checked_pow(levels).and_then(|factor| factor.checked_mul(count)?.checked_add(others));
+    if all.is_none_or(|all| all - others > room as u128) {
+        let all = all.map_or_else(|| format!("more than {}", u128::MAX), |all| all.to_string());
+        return Err(format!(
+            "with {levels} levels the scene has {all} triangles so far, but no more than {MAX_TRIANGLES} fit; use fewer"
+        ));
     }
     let points = control.positions.iter().map(|position| position.as_dvec3()).collect();
     let mut surface = Surface { points, triangles: control.triangles.clone() };

@@ -25,11 +25,12 @@ use super::shape::{self, Geometry, MeshFile, Shape};
 use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::{Textures, number_images};
+use super::triangle_budget::{Promise, TriangleBudget};
 use super::{curves, facing, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, Object, Value};
-use crate::scene::description::origin::Format;
+use crate::scene::description::origin::{Format, Origin};
 use crate::scene::faults::Faults;
 use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{EnvironmentChoice, LoadOptions};
@@ -427,7 +428,14 @@ impl<'a> Builder<'a> {
         let (mut textures, requests) = self.textures.finish();
         let shapes = shown_shapes(&self.items, &self.groups);
         let attributes = vertex_colors::attributes(&textures);
-        let read_meshes = || read_meshes(&shapes, &attributes, progress);
+        let attributes: Vec<&str> = attributes.iter().map(String::as_str).collect();
+        let (in_memory, files): (Vec<_>, Vec<_>) =
+            mesh_files(&shapes).into_iter().partition(|(file, _)| file.index_in_memory().is_some());
+        let in_memory = in_memory.into_iter().filter_map(|(file, _)| self.scope.meshes.get(file.index_in_memory()?));
+        let budget = TriangleBudget::new(MAX_TRIANGLES, in_memory.map(|mesh| mesh.triangles.len()).sum());
+        check_promised(&files, &budget)?;
+        let read = |file: &MeshFile| mesh::read(&file.path, file.format, &attributes);
+        let read_meshes = || read_meshes(files, &budget, &read, progress);
         let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), read_meshes);
         let Decoded { images: decoded, indices, warnings, faults } = decoded;
         let (mut meshes, of_meshes) = meshes;
@@ -527,29 +535,48 @@ fn shown_shapes<'s>(items: &'s [Item], groups: &'s [Vec<Shape>]) -> Vec<&'s Shap
     shapes.collect()
 }
 
-/// Reads every mesh once, in parallel, with those of the `attributes` that it has. Returns the faults of files in the order of the scene.
-fn read_meshes(
-    shapes: &[&Shape],
-    attributes: &[String],
-    progress: &Watch,
-) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
-    let attributes: Vec<&str> = attributes.iter().map(String::as_str).collect();
+/// Mesh files of the shapes in the order of the scene, each once, with the first shape that names it.
+fn mesh_files<'s>(shapes: &[&'s Shape]) -> Vec<(&'s MeshFile, &'s Origin)> {
     let files = shapes.iter().filter_map(|shape| match &shape.geometry {
-        Geometry::Mesh(file, _) if !file.is_in_memory() => Some(file),
+        Geometry::Mesh(file, _) => Some((file, &shape.origin)),
         _ => None,
     });
     let mut seen = HashSet::new();
-    let mut files: Vec<_> = files.filter(|file| seen.insert(*file)).enumerate().collect();
+    files.filter(|(file, _)| seen.insert(*file)).collect()
+}
+
+/// Refuses files that promise more triangles than the budget has. Those that do not tell their number are left out.
+fn check_promised<'s>(files: &[(&'s MeshFile, &'s Origin)], budget: &TriangleBudget) -> Result<()> {
+    let promise = |&(file, origin): &(&'s MeshFile, &'s Origin)| {
+        let MeshFile { path, format } = file;
+        Some(Promise { triangles: mesh::promised_faces(path, *format)?, name: path, origin })
+    };
+    let promised: Vec<_> = files.par_iter().map(promise).collect();
+    budget.check_promised(&promised.into_iter().flatten().collect::<Vec<_>>())
+}
+
+/// Reads every mesh once, in parallel, by `read`. Where there are more triangles than the budget has, later meshes are left out. Returns
+/// the faults of files in the order of the scene.
+fn read_meshes(
+    files: Vec<(&MeshFile, &Origin)>,
+    budget: &TriangleBudget,
+    read: &(dyn Fn(&MeshFile) -> Result<Mesh> + Sync),
+    progress: &Watch,
+) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
+    let mut files: Vec<_> = files.into_iter().enumerate().collect();
     // The largest come first, so that none is left over when all else is done.
-    files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
+    files.sort_by_cached_key(|(_, (file, _))| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
     let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
-    let read = |(place, file): (usize, &MeshFile)| {
-        let mesh = mesh::read(&file.path, file.format, &attributes);
+    let read = |(place, (file, origin)): (usize, (&MeshFile, &Origin))| {
+        if budget.is_spent() {
+            return None;
+        }
+        let mesh = read(file).and_then(|mesh| budget.add(mesh.triangles.len(), &file.path, origin).map(|()| mesh));
         progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
-        (place, mesh.map(|mesh| (file.clone(), Arc::new(mesh))))
+        Some((place, mesh.map(|mesh| (file.clone(), Arc::new(mesh)))))
     };
     // `par_bridge` hands files out one by one, so this order holds.
-    let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
+    let mut results: Vec<_> = files.into_iter().par_bridge().filter_map(read).collect();
     results.sort_by_key(|(place, _)| *place);
     let (mut meshes, mut faults) = (HashMap::new(), Vec::new());
     for (_, result) in results {
@@ -614,4 +641,37 @@ pub fn scene_name(path: &Path) -> String {
     let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let folder = canonical.parent().and_then(Path::file_name).filter(|_| stem == "scene");
     folder.unwrap_or(stem).to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::mesh::MeshFormat;
+
+    /// OBJ files do not tell how many triangles they have. The one with which there are too many is the last that is read.
+    #[test]
+    fn meshes_beyond_the_limit_are_not_read() {
+        let origin = Origin::whole(Path::new("scene.xml"), Format::Xml);
+        let files: Vec<_> =
+            (0..1000).map(|at| MeshFile { path: format!("{at}.obj").into(), format: MeshFormat::Obj }).collect();
+        let read_count = AtomicUsize::new(0);
+        let read = |_: &MeshFile| {
+            read_count.fetch_add(1, Ordering::Relaxed);
+            Ok(Mesh { triangles: vec![[0; 3]; 10], ..Mesh::default() })
+        };
+        let read_with = |limit| {
+            let files = files.iter().map(|file| (file, &origin)).collect();
+            read_meshes(files, &TriangleBudget::new(limit, 5), &read, &|_| {})
+        };
+        let (meshes, faults) = read_with(25);
+        // Each thread may have begun one more.
+        let most = 3 + rayon::current_num_threads();
+        assert!(meshes.len() <= most && read_count.load(Ordering::Relaxed) <= most, "{read_count:?} were read");
+        let [fault] = &faults[..] else { panic!("one fault, not {faults:?}") };
+        let fault = fault.to_string();
+        let sentence = "the scene has 35 triangles so far, after 3 of its mesh files; no more than 25 fit";
+        assert!(fault.starts_with("scene.xml: with ") && fault.ends_with(sentence), "{fault}");
+        let (meshes, faults) = read_with(10_005);
+        assert_eq!((meshes.len(), faults.len()), (1000, 0));
+    }
 }

@@ -30,5 +30,6 @@ mod texture_images;
 mod texture_parameters;
 mod textures;
 mod transform;
+mod triangle_budget;
 mod vertex_colors;
 mod volumes;

@@ -74,9 +74,12 @@ impl MeshFile {
         Self { path: PathBuf::new(), format: MeshFormat::Memory(index) }
     }
 
-    /// Whether the mesh is in memory already.
-    pub fn is_in_memory(&self) -> bool {
-        matches!(self.format, MeshFormat::Memory(_))
+    /// Index of the mesh among those in memory; `None` where it is read from a file.
+    pub fn index_in_memory(&self) -> Option<usize> {
+        match self.format {
+            MeshFormat::Memory(index) => Some(index),
+            _ => None,
+        }
     }
 }
 
