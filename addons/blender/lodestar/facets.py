@@ -146,6 +146,37 @@ def _of_both(at: Expression, roughness: Expression, is_beckmann: bool) -> tuple[
     return products[0], products[1], table(roughness, [(mean,) * 3 for mean in means]), 1.05 * float((factor + more).max())
 
 
+def disney_base(graph: Graph, base: Union[Color, Expression], roughness: float, is_whole: bool) -> Optional[tuple[Expression, float]]:
+    """Base color by which a metal of Disney, whose facets reflect by Schlick's curve, sheds as much light as that of Cycles: as `metal` gives
+    a color."""
+    import numpy as np
+
+    alpha = min(roughness, 1.0) ** 2
+    facets, found = _facets(alpha, False), shares(alpha, False)
+    left = 2.0 * facets.to_view * facets.to_normal - _cosines()[:, None]
+    theirs, ours = _leaving(facets, left, alpha, False)
+    at_edge = (1.0 - facets.to_view) ** 5
+    face, edge = ((1.0 - at_edge) * theirs).sum(axis=1), (at_edge * theirs).sum(axis=1)
+    face_here, edge_here = ((1.0 - at_edge) * ours).sum(axis=1).clip(1e-4, None), (at_edge * ours).sum(axis=1)
+    again = (1.0 - found.shed) / found.shed if is_whole else np.zeros(ENTRIES)
+    more = lambda mean: mean * found.mean / (1.0 - mean * (1.0 - found.mean))  # noqa: E731
+    most = float((((face + edge) * (1.0 + again) - edge_here) / face_here)[ENTRIES // 20 :].max())
+    if most < 1.0 + NEAR_ONE:
+        return None
+    if not isinstance(base, Expression):
+        color = np.clip(base, 0.0, 1.0)
+        wanted = (face[:, None] * color + edge[:, None]) * (1.0 + again[:, None] * more((20.0 * color + 1.0) / 21.0))
+        rows = ((wanted - edge_here[:, None]) / face_here[:, None] / most).clip(0.0, 1.0)
+        return table(layers.cosine(graph), [tuple(map(float, row)) for row in rows]), most
+    columns = (face / face_here, edge / face_here, again), (edge_here / face_here / most,) * 3
+    of_view, lost = (table(layers.cosine(graph), [tuple(map(float, row)) for row in zip(*three)]) for three in columns)
+    wanted_ = base * of_view.x + of_view.y
+    if is_whole:
+        wanted_ = wanted_ * (1.0 + of_view.z * more((20.0 / 21.0) * base + 1.0 / 21.0))
+    result = wanted_ / most - lost
+    return (result, most) if excess(result) is None else None
+
+
 # ------------------------------------------------------------------------------------------------------------ glass
 
 

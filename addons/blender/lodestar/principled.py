@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, Optional, Union
 
-from . import layers, subsurface, units, xml
+from . import facets, layers, subsurface, units, xml
 from .images import Images, Texture
 from .limits import excess
 from .nodes import Color, Reader
@@ -256,10 +256,20 @@ class _Principled:
         metal = tinted_metal(self.reader, self.base, self.roughness, self.tint, self.passing)
         return materials.two_sided(metal) if metal is not None else self._disney(1.0, self.ior)
 
+    def _metal_base(self) -> Union[Color, Texture]:
+        """Base color of a metal that sheds as much light as in Cycles."""
+        program = _program(self.reader, self.base)
+        if program is None or isinstance(self.roughness, Texture) or self.anisotropic != 0.0:
+            return self.base
+        base = program if isinstance(self.base, Texture) else self.base
+        found = facets.disney_base(self.images.graph, base, self.roughness, self.node.distribution == "MULTI_GGX")
+        return self.base if found is None else Texture(program=found[0], factor=(found[1],) * 3)
+
     def _disney(self, metallic: float, ior: float) -> xml.Element:
         from . import materials
 
-        element = _disney(self.images, self._below_coat(self.base), self.roughness, metallic, ior)
+        base = self.base if metallic != 1.0 else self._metal_base()
+        element = _disney(self.images, self._below_coat(base), self.roughness, metallic, ior)
         if self.anisotropic != 0.0:
             xml.add(element, "anisotropic", min(self.anisotropic, 1.0))
         if self.sheen != 0.0 and metallic == 0.0:

@@ -471,6 +471,13 @@ def rough_metals() -> Any:
     return white_room(*(faceted(glossy, kind, texture, **inputs) for kind, texture in kinds))
 
 
+def rough_principled_metals() -> Any:
+    inputs = dict(Base_Color=(0.9, 0.5, 0.1), Metallic=1.0)
+    kinds = (("MULTI_GGX", 0.6, ""), ("MULTI_GGX", 0.6, "Base Color"), ("GGX", 1.0, ""))
+    kind = "ShaderNodeBsdfPrincipled"
+    return white_room(*(faceted(kind, name, texture, Roughness=roughness, **inputs) for name, roughness, texture in kinds))
+
+
 def rough_glass() -> Any:
     kinds = (("MULTI_GGX", 1.5), ("GGX", 1.5), ("BECKMANN", 0.85))
     return white_room(*(faceted("ShaderNodeBsdfGlass", kind, Color=(0.9, 0.7, 0.3), Roughness=0.6, IOR=ior) for kind, ior in kinds))
@@ -511,6 +518,7 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (suns_behind_glass, 0.03, 0.01),
     (nodes_of_eevee, 0.02, 0.005),
     (rough_metals, 0.02, 0.003),
+    (rough_principled_metals, 0.02, 0.003),
     (rough_glass, 0.02, 0.003),
 ]
 if "normalize" in bpy.types.Light.bl_rna.properties:
