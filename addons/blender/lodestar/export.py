@@ -103,7 +103,7 @@ class _Exporter:
         definitions = [self._definition(name) for name in self.materials]
         self._soften_lamps(definitions)
         hides = self._hides_emitters(scene, environment)
-        environment = self._with_suns(scene, environment, definitions, hides)
+        environment = self._with_suns(scene, environment, definitions, hides, is_still=not course.keys)
         media = self.enclosures.elements
         integrator = xml.add(xml.plugin("integrator", "volpath" if media else "path"), "max_depth", self.options.max_depth)
         if media and self.options.max_depth >= 0:
@@ -141,7 +141,8 @@ class _Exporter:
         elif owner.type == "MESH" and self.layer.use_solid:
             course = self._course(instance)
             number = instance.random_id if instance.is_instance else number_of_object(owner.name)
-            self._surface(Placed(owner, course.matrix, number), course)
+            by = instance.parent if instance.is_instance else None
+            self._surface(Placed(owner, course.matrix, number), course, by)
         elif owner.type == "VOLUME" and self.layer.use_volumes:
             self._volume(owner, instance.matrix_world.copy())
         elif owner.type not in INVISIBLE and owner.type not in ("MESH", "VOLUME"):
@@ -162,11 +163,13 @@ class _Exporter:
         emitters = lights.export(owner.data, course, owner.name, self.report)
         unsupported.report_object(owner, self.report)
         self.emitters.extend(emitters)
-        if not suns.has_multiple_importance(owner.data):
+        if not lights.is_found(owner.data):
             self.unfound.update(map(id, emitters))
         sun = suns.sun(owner.data, course.matrix, emitters)
         if sun is not None:
             self.suns.append(sun)
+            if owner.visible_camera and suns.is_in_view(sun, self.camera, self.depsgraph.scene_eval):
+                self.report.warn(f'light "{owner.name}"', "a sun that the camera sees is not supported; it lights the scene alone")
         soft = falloff.soft_lamp(owner, course.matrix.translation)
         if soft is not None and emitters:
             self.soft_lamps.append((soft, emitters, lights.disks(owner.data, course, owner.name, self.report)))
@@ -190,9 +193,13 @@ class _Exporter:
                 self.emitters += disks
         self.emitters = [each for each in self.emitters if id(each) not in replaced]
 
-    def _surface(self, placed: Placed, course: xml.Course) -> None:
+    def _surface(self, placed: Placed, course: xml.Course, instancer: Optional[Any]) -> None:
+        """Shows an object, which an instancer shows or none. Rays do not see what is invisible to them by either."""
         owner = placed.owner
         unsupported.report_object(owner, self.report)
+        if instancer is not None:
+            unsupported.report_object(instancer, self.report)
+        is_unseen = not owner.visible_camera or not getattr(instancer, "visible_camera", True)
         override = self.layer.material_override
         slots = [override] if override is not None else [slot.material for slot in owner.material_slots] or [None]
         keys = [self._material(material, placed) for material in slots]
@@ -200,15 +207,15 @@ class _Exporter:
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
         parts = self._mesh_parts(owner, keys)
-        shown = tuple((file, keys[part.slot], not owner.visible_camera) for part in parts for file in part.files)
+        shown = tuple((file, keys[part.slot], is_unseen) for part in parts for file in part.files)
         volume = self._volume_within(owner, keys)
         is_boundary = volume is not None or any(self.materials[key].below is not None for key in keys)
         region = self.enclosures.region(owner) if is_boundary else None
         if region is None:
             self.shapes.add((shown, ()), course, lambda: [self._shape(*each) for each in shown])
             return
-        if not owner.visible_camera:
-            self.report.warn(f'object "{owner.name}"', "its invisibility to camera rays is not supported, because it bounds a volume; it is visible")
+        if is_unseen:
+            self.report.warn(f'object "{owner.name}"', unsupported.UNSEEN_VOLUME)
             shown = tuple((file, key, False) for file, key, _ in shown)
 
         def show(around: Volume) -> None:
@@ -250,6 +257,9 @@ class _Exporter:
         grids = Grids(owner, matrix, self.folder, self.grid_files, self.report)
         if grids.box is None:
             return
+        unsupported.report_object(owner, self.report)
+        if not owner.visible_camera:
+            self.report.warn(f'object "{owner.name}"', unsupported.UNSEEN_VOLUME)
         volume = self._volume_of_grids(owner, grids)
         if owner.data.render.space == "OBJECT":
             # As in Cycles, a larger object is less dense.
@@ -331,18 +341,18 @@ class _Exporter:
     def _hides_emitters(self, scene: Any, environment: Optional[xml.Element]) -> bool:
         """Whether the camera sees no emitter: where the film is transparent, or there are lamps alone that it does not see."""
         if scene.render.film_transparent and self.surfaces_emit:
-            self.report.warn("scene", "with a transparent film, surfaces that emit are invisible to the camera")
+            self.report.warn("scene", "with a transparent film, surfaces and lamps that emit are invisible to the camera")
         return scene.render.film_transparent or (environment is None and not self.surfaces_emit)
 
     def _with_suns(
-        self, scene: Any, environment: Optional[xml.Element], definitions: list[xml.Element], hides: bool
+        self, scene: Any, environment: Optional[xml.Element], definitions: list[xml.Element], hides: bool, is_still: bool
     ) -> Optional[xml.Element]:
-        """Environment with the suns, where surfaces show them, it has one color, and the camera does not see the suns."""
+        """Environment with the suns, where surfaces show them, it has one color, and the camera does not see the suns. One that moves might."""
         shows = self.has_glass or any(falloff.is_mirror(bsdf) for each in definitions for bsdf in each.iter("bsdf"))
         color = world.constant_color(environment)
         if not self.suns or not shows or color is None:
             return environment
-        if not hides and any(suns.is_in_view(sun, self.camera, scene) for sun in self.suns):
+        if not hides and (not is_still or any(suns.is_in_view(sun, self.camera, scene) for sun in self.suns)):
             return environment
         moved = {id(emitter) for sun in self.suns for emitter in sun.emitters}
         self.emitters = [each for each in self.emitters if id(each) not in moved]

@@ -12,13 +12,15 @@ from typing import Any, NamedTuple, Optional, Union
 from . import layers
 from .color_nodes import table
 from .limits import excess
-from .programs import Expression, Graph, dot, less, select
+from .programs import Expression, Graph, clamp, dot, less, select
 
 Color = tuple[float, float, float]
 # Facets for each of the angles, on a square of this side, and roughnesses of a table in two dimensions.
 SIDE, ROUGHNESSES = 32, 17
 # Angles of a table: cosines from 0 to 1.
 ENTRIES = 256
+# Least index of glass; Blender's socket begins at 0.
+LEAST_INDEX = 1e-3
 # Largest difference from 1 that is left out.
 NEAR_ONE = 0.003
 
@@ -122,7 +124,8 @@ def metal(
         factor, more, mean, most = both.x, both.y, graph.constant(found.mean), float((found.factor + lacking).max())
     base = color if isinstance(color, Expression) else graph.constant(color)
     if is_whole:
-        factor = factor + more * (base * mean / (1.0 - base * (1.0 - mean)))
+        kept = clamp(base, 0.0, 1.0)
+        factor = factor + more * (kept * mean / (1.0 - kept * (1.0 - mean)))
     result = base * factor / most
     return (result, most) if excess(result) is None else None
 
@@ -172,7 +175,7 @@ def disney_base(graph: Graph, base: Union[Color, Expression], roughness: float, 
     of_view, lost = (table(layers.cosine(graph), [tuple(map(float, row)) for row in zip(*three)]) for three in columns)
     wanted_ = base * of_view.x + of_view.y
     if is_whole:
-        wanted_ = wanted_ * (1.0 + of_view.z * more((20.0 / 21.0) * base + 1.0 / 21.0))
+        wanted_ = wanted_ * (1.0 + of_view.z * more((20.0 / 21.0) * clamp(base, 0.0, 1.0) + 1.0 / 21.0))
     result = wanted_ / most - lost
     return (result, most) if excess(result) is None else None
 
@@ -211,9 +214,10 @@ def glass(
 
     alpha, cosines = min(roughness, 1.0) ** 2, np.arange(ENTRIES) / (ENTRIES - 1.0)
     sides = []
+    ior = max(ior, LEAST_INDEX)
     for index in (ior, 1.0 / ior):
         reflected, transmitted, total, mean = _glass(alpha, index, is_beckmann)
-        again = np.array([[each * mean / (1.0 - each * (1.0 - mean)) for each in color]])
+        again = np.array([[each * mean / (1.0 - each * (1.0 - mean)) for each in np.clip(color, 0.0, 1.0)]])
         more = 1.0 + again * ((1.0 - total) / total)[:, None] if is_whole else np.ones((ENTRIES, 3))
         sides.append([each[:, None] * more for each in (reflected, transmitted)])
     if max(np.abs(each - 1.0)[cosines > 0.2].max() for side in sides for each in side) < NEAR_ONE:

@@ -39,7 +39,7 @@ def export(light: Any, course: xml.Course, name: str, report: Report) -> list[xm
     if light.type == "POINT" and light.shadow_soft_size > 0.0:
         ball = [_ball(light, course, power, tinted)]
         # Surfaces that scatter light do not find a lamp without Multiple Importance.
-        return ball if _is_found(light) else points(light, course, ball) or ball
+        return ball if is_found(light) else points(light, course, ball) or ball
     if course.keys:
         report.warn(place, _STANDS)
     if light.type == "SUN":
@@ -77,10 +77,10 @@ def is_soft(light: Any) -> bool:
 
 def is_facing(light: Any) -> bool:
     """Whether a lamp becomes such a disk. Surfaces that scatter light would find it, so the lamp has Multiple Importance."""
-    return is_soft(light) and _is_found(light)
+    return is_soft(light) and is_found(light)
 
 
-def _is_found(light: Any) -> bool:
+def is_found(light: Any) -> bool:
     """Whether rays of surfaces find a lamp, besides rays to it."""
     return getattr(getattr(light, "cycles", None), "use_multiple_importance_sampling", True)
 
@@ -88,7 +88,7 @@ def _is_found(light: Any) -> bool:
 def _report_unsupported(light: Any, place: str, report: Report) -> None:
     if not getattr(light, "normalize", True) and light.type in ("SUN", "SPOT") and not is_facing(light):
         report.warn(place, "a power that is not normalized by the area is not supported; it is taken as normalized")
-    if light.type == "AREA" and not _is_found(light):
+    if light.type == "AREA" and not is_found(light):
         report.warn(place, "an area light without Multiple Importance is not supported; mirrors show it")
     if getattr(light, "use_shadow", True) is False:
         report.warn(place, "light without shadows is not supported")

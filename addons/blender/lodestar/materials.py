@@ -18,9 +18,6 @@ Emission = Union[Color, Texture, None]
 Groups = tuple[Any, ...]
 BLACK: Color = (0.0, 0.0, 0.0)
 DEFAULT: Color = (0.8, 0.8, 0.8)
-# Most surfaces that the renderer chooses between for a material, and most choices within each other.
-MOST_SURFACES = 64
-MOST_CHOICES = 8
 
 
 @dataclass
@@ -62,7 +59,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     if output is not None:
         translator = _Translator(reader)
         reader.heights = _displacement(reader, material, output.inputs["Displacement"])
-        closure = _surface(translator, output.inputs["Surface"])
+        closure = _of_both_sides(translator, output.inputs["Surface"])
         volume = volumes.translate(reader, output.inputs["Volume"], None)
         if volume is not None and reader.source(output.inputs["Surface"], ()) is None:
             closure.bsdf = xml.plugin("bsdf", "null")
@@ -72,17 +69,18 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         if len(names) > 1:
             reader.warn(f"more than one {kind} in a material is not supported; {min(names)} is used")
     element = closure.bsdf if closure.bsdf is not None else diffuse(images, BLACK)
-    textures = element.iter("texture")
-    kinds = {texture.get("type") for texture in textures} - {"scale"}
-    kinds |= {"program"} if _computed_from_uv(element, images) else set()
+    emission = _radiance(closure.emission, images)
+    kinds = _kinds_of_textures(element, images) | (_kinds_of_textures(emission, images) if emission is not None else set())
     if "mesh_attribute" in kinds and len(kinds) > 1:
         reader.warn("a color attribute beside other textures is not supported; the color is white")
         _whiten(element)
+        if emission is not None:
+            _whiten(emission)
         reader.color_attributes.clear()
     is_glass = closure.below is None and any(b.get("type") in ("dielectric", "roughdielectric") for b in element.iter("bsdf"))
     return Material(
         element,
-        _radiance(closure.emission, images),
+        emission,
         min(reader.uv_maps, default=None),
         min(reader.color_attributes, default=None),
         is_glass,
@@ -92,15 +90,6 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         closure.below,
         output is not None and volumes.asks_for_grids(output.inputs["Volume"]),
     )
-
-
-def _surface(translator: _Translator, socket: Any) -> Closure:
-    """Closure of a material's surface, whose BSDF is that of both sides."""
-    closure = _of_both_sides(translator, socket)
-    if closure.bsdf is not None and not _is_within_limits(closure.bsdf, translator.images):
-        translator.has_layers = False
-        closure = _of_both_sides(translator, socket)
-    return closure
 
 
 def _of_both_sides(translator: _Translator, socket: Any) -> Closure:
@@ -115,22 +104,14 @@ def _of_both_sides(translator: _Translator, socket: Any) -> Closure:
     return replace(closure, bsdf=covered)
 
 
-def _computed_from_uv(element: xml.Element, images: Images) -> bool:
-    """Whether a texture of a BSDF is computed from texture coordinates, in whose place a mesh's colors have others."""
-    return any(images.graph.reads_uv(each.get("id", "")) for each in element.iter("ref"))
-
-
-def _is_within_limits(element: xml.Element, images: Images) -> bool:
-    """Whether the renderer can follow a BSDF's choices, and its colors are not both a mesh's and computed from texture coordinates."""
-    has_attribute = any(texture.get("type") == "mesh_attribute" for texture in element.iter("texture"))
-    surfaces = sum(all(child.tag != "bsdf" for child in part) for part in element.iter("bsdf"))
-    return surfaces <= MOST_SURFACES and _choices(element) <= MOST_CHOICES and not (has_attribute and _computed_from_uv(element, images))
-
-
-def _choices(element: xml.Element) -> int:
-    """Choices between two BSDFs that lie within each other."""
-    parts = [child for child in element if child.tag == "bsdf"]
-    return int(len(parts) > 1) + max(map(_choices, parts), default=0)
+def _kinds_of_textures(element: xml.Element, images: Images) -> set[str]:
+    """Kinds of a BSDF's or an emitter's textures that need texture coordinates, in whose place a mesh's colors have others. A relief has slopes
+    along them, whatever it is computed from."""
+    has_relief = any(bsdf.get("type") in ("bumpmap", "normalmap") for bsdf in element.iter("bsdf"))
+    kinds = {texture.get("type", "") for texture in element.iter("texture")} - {"scale"}
+    if any(has_relief or images.graph.reads_uv(each.get("id", "")) for each in element.iter("ref")):
+        kinds.add("program")
+    return kinds
 
 
 def _displacement(reader: Reader, material: Any, socket: Any) -> list[tuple[float, Texture]]:
@@ -205,7 +186,6 @@ class _Translator:
         self.reader = reader
         self.images = reader.images
         self.has_subsurface = True
-        self.has_layers = True
         self.handlers: dict[str, Callable[[Any, Groups], Closure]] = {
             "BSDF_PRINCIPLED": self._principled,
             "BSDF_DIFFUSE": self._diffuse,
@@ -242,7 +222,7 @@ class _Translator:
         return Closure(diffuse(self.images, self.reader.color(color, groups) if color is not None else DEFAULT))
 
     def _principled(self, node: Any, groups: Groups) -> Closure:
-        bsdf, below = principled.translate(self.reader, node, groups, self.has_subsurface, self.has_layers)
+        bsdf, below = principled.translate(self.reader, node, groups, self.has_subsurface)
         emission = None
         strength = self.reader.scalar(node.inputs["Emission Strength"], groups)
         if isinstance(strength, Texture) or strength > 0.0:
@@ -308,10 +288,14 @@ class _Translator:
         return emission
 
     def _diffuse(self, node: Any, groups: Groups) -> Closure:
+        import bpy
+
         color = self.reader.color(node.inputs["Color"], groups)
         roughness = self.reader.scalar(node.inputs["Roughness"], groups)
         bsdf = diffuse(self.images, color)
         if isinstance(roughness, Texture) or roughness > 0.0:
+            if bpy.app.version < (4, 3, 0):
+                self.reader.warn("a rough diffuse surface is that of Blender 4.3 and later")
             rough = parameter(self.images, xml.plugin("bsdf", "roughdiffuse"), "reflectance", color)
             parameter(self.images, rough, "alpha", roughness if isinstance(roughness, Texture) else min(roughness, 1.0))
             bsdf = two_sided(xml.add(rough, "energy_preserving", True))

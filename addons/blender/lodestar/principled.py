@@ -24,10 +24,9 @@ MOST_FILTER_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
-def translate(reader: Reader, node: Any, groups: Groups, has_subsurface: bool, has_layers: bool) -> tuple[xml.Element, Optional[Volume]]:
-    """BSDF of a Principled node, without its emission, and the medium below it. With a medium, the BSDF is that of the front. Without
-    layers, it is less like Cycles' surface, but has fewer parts."""
-    principled = _Principled(reader, node, groups, has_subsurface, has_layers)
+def translate(reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> tuple[xml.Element, Optional[Volume]]:
+    """BSDF of a Principled node, without its emission, and the medium below it. With a medium, the BSDF is that of the front."""
+    principled = _Principled(reader, node, groups, has_subsurface)
     return principled.bsdf(), principled.medium
 
 
@@ -39,13 +38,13 @@ def default(images: Images) -> xml.Element:
 
     if bpy.app.version < (5, 0, 0):
         return materials.diffuse(images, materials.DEFAULT)
-    return layered(images, materials.DEFAULT, 0.25, 1.5, layers.dielectric(images.graph, 0.25, 1.5, WHITE, True))
+    return weighted(images, materials.DEFAULT, 0.25, 1.5, layers.dielectric(images.graph, 0.25, 1.5, WHITE, True))
 
 
-def layered(
+def weighted(
     images: Images, base: Union[Color, Texture], alpha: Union[float, Texture], ior: float, layer: tuple[Expression, Expression, float]
 ) -> xml.Element:
-    """Dielectric over a diffuse base."""
+    """Dielectric over a diffuse base with a weight."""
     from . import materials
 
     weight, factor, most = layer
@@ -107,8 +106,7 @@ def tinted_metal(
 
 
 class _Principled:
-    def __init__(self, reader: Reader, node: Any, groups: Groups, has_subsurface: bool, has_layers: bool) -> None:
-        self.has_layers = has_layers
+    def __init__(self, reader: Reader, node: Any, groups: Groups, has_subsurface: bool) -> None:
         self.reader, self.node, self.groups, self.images = reader, node, groups, reader.images
         self.base = reader.color(node.inputs["Base Color"], groups)
         self.roughness = self._scalar("Roughness")
@@ -216,9 +214,11 @@ class _Principled:
         base = self._below_coat(self.base)
         if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
             return materials.diffuse(self.images, base)
-        layered = self._layered(base, ior) if self.has_layers else None
-        if layered is not None:
-            return layered
+        weighted = self._weighted(base, ior)
+        if weighted is not None:
+            return weighted
+        if self._is_even() and self.tint != WHITE:
+            self.reader.warn("Specular Tint under a long program is not supported; white is used")
         if not self._is_even() or self.roughness >= SMOOTH:
             return self._disney(0.0, ior)
         return materials.two_sided(materials.parameter(self.images, layers.plastic(0.0, ior), "diffuse_reflectance", base))
@@ -227,8 +227,8 @@ class _Principled:
         """Whether the surface has one roughness, and no sheen."""
         return not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
 
-    def _layered(self, base: Union[Color, Texture], ior: float) -> Optional[xml.Element]:
-        """Dielectric over a diffuse base, as layers; None where they cannot be rendered."""
+    def _weighted(self, base: Union[Color, Texture], ior: float) -> Optional[xml.Element]:
+        """Dielectric over a diffuse base with a weight; None where it cannot be rendered."""
         if self.anisotropic != 0.0 or self.sheen != 0.0:
             return None
         is_whole = self.node.distribution == "MULTI_GGX"
@@ -246,7 +246,7 @@ class _Principled:
             factor = factor * self.passing
         if excess(weight) is not None or excess(factor) is not None:
             return None
-        return layered(self.images, base, alpha, ior, (weight, factor, most))
+        return weighted(self.images, base, alpha, ior, (weight, factor, most))
 
     def _metal(self) -> xml.Element:
         from . import materials

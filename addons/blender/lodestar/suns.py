@@ -1,8 +1,8 @@
 """Suns: suns with an angle as disks of the environment, which glass and mirrors show.
 
 Directional lights stand for a sun, and only shadow rays find them. In a world of one color, the sun may as well be a disk in a picture of
-the environment, where light that glass bends and mirrors reflect finds it, as in Cycles. The camera sees no sun of Cycles. So none of the
-suns may stand in the picture, unless the camera sees no environment.
+the environment, where light that glass bends and mirrors reflect finds it, as in Cycles. By default, the camera sees no sun in
+Cycles. So none of the suns may stand in the picture, unless the camera sees no environment.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import camera, sky, xml
+from . import camera, lights, sky, xml
 
-# Points of a sun's disk for each texel that it covers, and fewest.
-POINTS_OF_TEXEL, LEAST_POINTS = 16.0, 40_000
+# Points of a sun's disk for each texel that it covers, fewest and most.
+POINTS_OF_TEXEL, LEAST_POINTS, MOST_POINTS = 16.0, 40_000, 1_000_000
 # Distance of points that stand for directions.
 FAR = 1e6
 
@@ -29,14 +29,9 @@ class Sun(NamedTuple):
     emitters: list[xml.Element]
 
 
-def has_multiple_importance(light: Any) -> bool:
-    """Whether rays of surfaces find a lamp, besides rays to it."""
-    return getattr(getattr(light, "cycles", None), "use_multiple_importance_sampling", True)
-
-
 def sun(light: Any, matrix: Any, emitters: list[xml.Element]) -> "Sun | None":
     """The sun that directional lights stand for; None where it is another lamp, or rays of surfaces do not find it."""
-    if light.type != "SUN" or len(emitters) < 2 or not has_multiple_importance(light):
+    if light.type != "SUN" or len(emitters) < 2 or not lights.is_found(light):
         return None
     part = next(child.get("value", "") for child in emitters[0] if child.get("name") == "irradiance")
     irradiance = tuple(float(channel) * len(emitters) for channel in part.split())
@@ -55,7 +50,8 @@ def is_in_view(each: Sun, owner: Any, scene: Any) -> bool:
     reach = math.tan(0.5 * each.angle)
     eye = owner.matrix_world.translation
     corners = [eye + FAR * (each.direction + reach * (x * side + y * other)) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]
-    return camera.may_see(owner, scene, corners)
+    # The lens may see farther to the side than its middle.
+    return camera.may_see(owner, scene, corners, 0.5 if owner.data.dof.use_dof else 0.1)
 
 
 def picture(color: tuple[float, ...], suns: list[Sun]) -> np.ndarray:
@@ -69,7 +65,8 @@ def picture(color: tuple[float, ...], suns: list[Sun]) -> np.ndarray:
 def _add(colors: np.ndarray, each: Sun) -> None:
     half = 0.5 * each.angle
     texels = 2.0 * math.pi * (1.0 - math.cos(half)) / (math.pi / (sky.HEIGHT - 1)) ** 2
-    count = max(int(POINTS_OF_TEXEL * texels), LEAST_POINTS)
+    # A disk that needs more has many texels, and each of them gets a few.
+    count = min(max(int(POINTS_OF_TEXEL * texels), LEAST_POINTS), MOST_POINTS)
     at = np.arange(count)
     # Even in solid angle, on a sunflower spiral.
     cosine = 1.0 - (1.0 - math.cos(half)) * (at + 0.5) / count

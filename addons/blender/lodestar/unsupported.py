@@ -7,7 +7,8 @@ from typing import Any
 
 from .report import Report
 
-# Rays to which an object or a world may be invisible, besides those of the camera, to which an object may be invisible.
+UNSEEN_VOLUME = "its invisibility to camera rays is not supported, because it bounds a volume; it is visible"
+# Rays to which an object may be invisible. Those of the camera are rendered.
 VISIBILITIES = ("diffuse", "glossy", "transmission", "shadow")
 
 

@@ -302,6 +302,21 @@ def rough_diffuse() -> Any:
     return scene
 
 
+def hidden_instances() -> Any:
+    """One mesh that the camera sees and does not see, and a collection that an empty shows without the camera's seeing it."""
+    scene = base((0.6, 0.6, 0.6))
+    red = scenes.simple("red", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.1, 0.1))
+    wall = scenes.plane(scene, "wall", 0.7, red, location=(-0.9, -1.0, 0.5), rotation=(1.4, 0, 0))
+    twin = wall.copy()
+    scene.collection.objects.link(twin)
+    twin.location, twin.visible_camera = (0.4, -1.0, 0.5), False
+    shown = bpy.data.collections.new("shown")
+    shown.objects.link(scenes.ball(bpy.data.scenes.new("other"), "shown ball", 0.3, red))
+    empty = scenes.add(scene, "instancer", None, location=(0.9, -0.9, 1.0))
+    empty.instance_type, empty.instance_collection, empty.visible_camera = "COLLECTION", shown, False
+    return scene
+
+
 def hidden_objects() -> Any:
     """Objects that the camera does not see: a wall before the ball, and a ball that glows."""
     scene = base((0.6, 0.6, 0.6))
@@ -505,7 +520,7 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
     (lamp_in_view, 0.03, 0.01),
     (area_lamps_in_view, 0.03, 0.01),
     (hidden_objects, 0.03, 0.01),
-    (rough_diffuse, 0.03, 0.01),
+    (hidden_instances, 0.03, 0.01),
     (soft_lamp_in_view, 0.03, 0.01),
     (soft_lamps, 0.03, 0.01),
     (soft_lamp_in_mirrors, 0.03, 0.01),
@@ -523,6 +538,9 @@ ROWS: list[tuple[Callable[[], Any], float, float]] = [
 ]
 if "normalize" in bpy.types.Light.bl_rna.properties:
     ROWS.append((unnormalized_lamps, 0.03, 0.01))
+if bpy.app.version >= (4, 3, 0):
+    # Cycles' rough diffuse surface was another one before.
+    ROWS.append((rough_diffuse, 0.03, 0.01))
 if "world_override" in bpy.types.ViewLayer.bl_rna.properties:
     ROWS.append((world_of_layer, 0.03, 0.01))
 
@@ -590,6 +608,25 @@ def indirect(scene: Any) -> None:
     scene.view_layers[0].layer_collection.children["sources"].indirect_only = True
 
 
+def sun_in_view(scene: Any) -> None:
+    scene.camera.rotation_euler = (math.pi / 2, 0.0, 0.0)
+    lamp(scene, "SUN", 1.0, rotation=(-math.pi / 2, 0.0, 0.0), angle=0.1).visible_camera = True
+
+
+def colors_beside_relief(scene: Any) -> None:
+    """A mesh's colors, and a relief that is computed from places. The relief has slopes along texture coordinates."""
+    made = scenes.simple("painted", "ShaderNodeBsdfDiffuse")
+    tree = made.node_tree
+    surface = next(node for node in tree.nodes if node.type in ("BSDF_DIFFUSE", "DIFFUSE_BSDF"))
+    colors, noise, bump, places = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "TexNoise", "Bump", "TexCoord"))
+    tree.links.new(colors.outputs["Color"], surface.inputs["Color"])
+    tree.links.new(places.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs["Normal"], surface.inputs["Normal"])
+    scene.objects["ball"].data.color_attributes.new("colors", "FLOAT_COLOR", "POINT")
+    scene.objects["ball"].data.materials[0] = made
+
+
 def lost_world(scene: Any) -> None:
     gone = bpy.data.images.new("gone", 4, 4)
     gone.source, gone.filepath = "FILE", "/nowhere/gone.hdr"
@@ -643,6 +680,8 @@ def fast_gi(scene: Any) -> None:
         (invisible_world, 'world "world": its invisibility to camera rays'),
         (transparent_glass, "scene: transparent glass"),
         (held_out, 'collection "masks": a holdout'),
+        (colors_beside_relief, 'material "painted": a color attribute beside other textures'),
+        (sun_in_view, 'light "lamp": a sun that the camera sees'),
         (indirect, 'collection "sources": Indirect Only'),
         (fitted_sky, 'world "world": the sky of Hosek and Wilkie is their fit for sRGB'),
         (ashikhmin, 'material "grained": facets of Ashikhmin and Shirley'),
