@@ -66,7 +66,7 @@ pub enum Mix {
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum GuideSet {
-    /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic` and `roughplastic`.
+    /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic`, `roughplastic` and `pplastic`.
     Diffuse = constants::GUIDE_SET_DIFFUSE,
     /// The set `diffuse`, `roughconductor` and `roughdielectric`, which the code of the paper's authors guides.
     Authors = constants::GUIDE_SET_AUTHORS,

@@ -3,6 +3,7 @@
 use glam::{DMat4, Vec3};
 use lodestar::scene::{Camera, Scene, Surface};
 use lodestar::settings::{Execution, Sampler, Settings, UNLIMITED_DEPTH};
+use support::panes::Pane;
 
 use crate::closed_forms::{assert_is, mean_of};
 use crate::device::Device;
@@ -53,6 +54,19 @@ fn a_lamp_lights_what_the_camera_sees_through_it() {
             let rendered = mean_of(&device, &room(true, is_instance), seed, 256, by(way));
             assert_is(&format!("instance: {is_instance}, {way:?}"), rendered, OF_WALLS);
         }
+    }
+}
+
+/// The camera's rays are its own behind a hole, and go through the lamp there, too.
+#[test]
+fn holes_leave_the_camera_its_rays() {
+    let device = Device::new();
+    let mut scene = room(true, false);
+    let material = Pane::Mask(0.0).material(&mut scene);
+    scene.add_parallelogram([0.0, 0.0, 0.7], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], Surface { material, emitter: None });
+    for (seed, way) in (81..).zip(WAYS) {
+        let rendered = mean_of(&device, &scene, seed, 256, by(way));
+        assert_is(&format!("{way:?}"), rendered, OF_WALLS);
     }
 }
 

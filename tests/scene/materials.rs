@@ -165,6 +165,9 @@ fn plastics() {
     let weighted = bsdf("plastic", r#"<float name="base_weight" value="0.25"/>"#);
     let Bsdf::Plastic { weighted_base: true, base_weight, .. } = weighted else { panic!("{weighted:?}") };
     assert_eq!(base_weight, number(0.25));
+    let both =
+        r#"<bsdf type="plastic"><boolean name="nonlinear" value="true"/><float name="base_weight" value="1"/></bsdf>"#;
+    refuse(both, &["`nonlinear` or `base_weight`, not both"]);
     let rough = bsdf("roughplastic", r#"<float name="alphaU" value="0.2"/><float name="alphaV" value="0.2"/>"#);
     let expected = Bsdf::RoughPlastic {
         distribution: Distribution::Beckmann,

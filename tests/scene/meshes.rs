@@ -378,8 +378,8 @@ fn instances_of_large_groups_are_kept() {
     assert_eq!((scene.primitives.len(), scene.instances.len()), (20_001, 100));
 }
 
-/// Shapes that show the same mesh become instances where copies would be many: not those that are mirrored, have another material or
-/// emit.
+/// Shapes that show the same mesh become instances where copies would be many: not those that are mirrored, have another material, emit
+/// or are invisible to the camera.
 #[test]
 fn shapes_that_share_a_mesh_become_instances() {
     let shape = |inside: &str| MESH.replace("</shape>", &format!("{inside}</shape>"));
@@ -389,10 +389,12 @@ fn shapes_that_share_a_mesh_become_instances() {
         shape(r#"<bsdf type="conductor"/>"#),
         shape(r#"<emitter type="area"/>"#),
         shape(r#"<boolean name="face_normals" value="true"/>"#),
+        shape(r#"<boolean name="visible_to_camera" value="false"/>"#),
     ];
     let body = moved.repeat(300) + &others.concat();
     let scene = with_mesh(&body, 4000).load(&[]).unwrap();
-    assert_eq!((scene.primitives.len(), scene.groups.len(), scene.instances.len()), (4 * 4000, 1, 300));
+    assert_eq!((scene.primitives.len(), scene.groups.len(), scene.instances.len()), (5 * 4000, 1, 300));
+    assert_eq!(scene.primitives.iter().filter(|primitive| primitive.unseen).count(), 4000);
     assert_eq!((scene.instances[5].origin, scene.instances[5].axes[1]), (3.0 * Vec3::Y, 2.0 * Vec3::Y));
     // Few stay copies.
     let scene = with_mesh(&moved.repeat(200), 4000).load(&[]).unwrap();

@@ -44,7 +44,7 @@ const TOLERANCE: f64 = 2.0e-3;
 /// A family of scattering functions.
 enum Family {
     Diffuse(DVec3),
-    Other(Surface),
+    Other(Box<Surface>),
 }
 
 impl Family {
@@ -57,9 +57,9 @@ impl Family {
 
     /// Part of the samples in which a guide of this set has a share, where it does not stand for a diffuse lobe.
     fn guided_part(&self, set: GuideSet) -> f64 {
-        let Self::Other(Surface { base, .. }) = self else { return 0.0 };
+        let Self::Other(surface) = self else { return 0.0 };
         let roughness = |facets: &Microfacets| facets.alpha[0].max(facets.alpha[1]) / GUIDED_ALPHA;
-        match (base, set) {
+        match (&surface.base, set) {
             (_, GuideSet::Diffuse) => 0.0,
             (Base::Substance(Substance::RoughConductor(..)), GuideSet::Authors) => 1.0,
             (Base::Substance(Substance::RoughDielectric(..)), GuideSet::Authors) => 0.9,
@@ -78,11 +78,13 @@ impl Family {
     fn has_diffuse_lobe(&self) -> bool {
         match self {
             Self::Diffuse(_) => true,
-            Self::Other(Surface { base: Base::RoughDiffuse(_), .. }) => true,
-            Self::Other(Surface { base: Base::Substance(substance), .. }) => {
-                !matches!(substance, Substance::RoughConductor(..) | Substance::RoughDielectric(..))
-            }
-            Self::Other(_) => false,
+            Self::Other(surface) => match &surface.base {
+                Base::RoughDiffuse(_) => true,
+                Base::Substance(substance) => {
+                    !matches!(substance, Substance::RoughConductor(..) | Substance::RoughDielectric(..))
+                }
+                _ => false,
+            },
         }
     }
 
@@ -117,8 +119,11 @@ impl Family {
                     product.map_or((guide, part), |(descent, cosine)| (descent, part * (1.0 - cosine)));
                 (1.0 - share) * surface.pdf(wo, wi) + share * drawn
             }
-            Self::Other(Surface { base: Base::Substance(substance), .. }) => substance.pdf_with(wo, wi, guide),
-            _ => guide,
+            Self::Other(surface) => match &surface.base {
+                Base::Substance(substance) => substance.pdf_with(wo, wi, guide),
+                _ => guide,
+            },
+            Self::Diffuse(_) => guide,
         }
     }
 }
@@ -126,14 +131,14 @@ impl Family {
 fn families() -> Vec<Family> {
     let color = DVec3::new(0.9, 0.5, 0.2);
     let rough = |alpha| Microfacets::new([alpha; 2], true);
-    let other = |name: &str, base| Family::Other(Surface { name: name.into(), base, coating: None });
+    let other = |name: &str, base| Family::Other(Box::new(Surface { name: name.into(), base, coating: None }));
     let oren_nayar =
         RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false, energy_preserving: false };
     let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
     let glass = Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8) };
     let principled = |name: &str, base: &str| {
         let surface = surfaces().into_iter().find(|surface| surface.name == base);
-        Family::Other(Surface { name: name.into(), ..surface.expect("a surface") })
+        Family::Other(Box::new(Surface { name: name.into(), ..surface.expect("a surface") }))
     };
     vec![
         Family::Diffuse(color),

@@ -120,12 +120,18 @@ fn rough_conductor_ggx(parameters: &mut Parameters) -> Result<Bsdf> {
 fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
     // Sampling rates of lobes change the noise only.
     parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
+    let nonlinear = parameters.properties.boolean("nonlinear")?.unwrap_or(false);
+    let weighted_base = parameters.properties.has("base_weight");
+    if nonlinear && weighted_base {
+        let message = "a `plastic` has `nonlinear` or `base_weight`, not both; leave one out";
+        return Err(parameters.owner().error(message));
+    }
     Ok(Bsdf::Plastic {
         eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
         diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
         specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
-        nonlinear: parameters.properties.boolean("nonlinear")?.unwrap_or(false),
-        weighted_base: parameters.properties.has("base_weight"),
+        nonlinear,
+        weighted_base,
         base_weight: parameters.share("base_weight", 1.0)?,
     })
 }
