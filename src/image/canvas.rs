@@ -110,7 +110,7 @@ impl Canvas {
     /// Writes like [`Canvas::write`] a picture of which `read` gives [`rows_at_a_time`]. Memory holds these rows only.
     ///
     /// # Errors
-    /// Those of `read`, too.
+    /// Where `read` fails, where the file cannot be written, or where its format has not so many pixels.
     pub fn write_rows(&self, path: &Path, read: ReadRows<'_>, tell: &mut dyn FnMut(f64)) -> Result<()> {
         let mut feed = Feed::new(self, read, tell);
         let written = write_whole(path, |writer| self.encode(writer, &mut feed));

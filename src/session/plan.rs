@@ -162,6 +162,7 @@ impl Inputs {
         let reference = wanted.reference.as_deref().map(|path| read_reference(path, &plan.settings)).transpose()?;
         Ok(Self { wanted, pictures, kernels, reference })
     }
+
     /// Work on the picture besides writing it.
     pub fn picture_work(&self) -> PictureWork {
         PictureWork {
