@@ -4,7 +4,7 @@
 # usage: packages/crate.sh [OUT]    writes OUT/lodestar-render-VERSION.crate (OUT: target/packages)
 #
 # The crate is made from a copy of the checkout's tracked files, in OUT/stage. Two things differ there: the folder spirv
-# has the kernels, and the feature shaderc is not a default. To publish, run `cargo publish` in OUT/stage.
+# has the kernels, compressed by zstd, and the feature shaderc is not a default. To publish, run `cargo publish` in OUT/stage.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -13,6 +13,8 @@ out=$(cd "${1:-$root/target/packages}" && pwd)
 cd "$root"
 
 fail() { echo "crate.sh: error: $*" >&2; exit 1; }
+
+command -v zstd >/dev/null || fail "zstd is missing, which compresses the kernels"
 
 # Prints the folder into which the build script wrote the compiled kernels.
 kernel_folder() {
@@ -26,12 +28,14 @@ kernels=$(kernel_folder)
 rm -rf "$out/stage"
 mkdir -p "$out/stage/spirv"
 git ls-files -z --deduplicate | tar --create --null --files-from=- | tar --extract --directory "$out/stage"
-for file in "$kernels"/*.spv; do
-  case $(basename "$file") in
-    test.*) ;;
-    *) cp "$file" "$out/stage/spirv" ;;
-  esac
-done
+# The kernels are compressed together, because the back ends of a kernel have most of their code in common.
+(
+  cd "$kernels"
+  mapfile -t files < <(ls -- *.spv | grep -v '^test\.')
+  stat --format='%n %s' -- "${files[@]}" >"$out/stage/spirv/kernels.txt"
+  cat -- "${files[@]}" >"$out/stage/kernels"
+)
+zstd --quiet --ultra -22 --long=26 --rm "$out/stage/kernels" -o "$out/stage/spirv/kernels.zst"
 cp "$kernels/fingerprint" "$out/stage/spirv"
 
 manifest=$out/stage/Cargo.toml

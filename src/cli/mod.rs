@@ -166,9 +166,21 @@ fn usage_sentence(error: &clap::Error) -> String {
         }),
         UsageError::TooFewValues => quoted(ContextKind::InvalidArg)
             .map(|argument| format!("name two files or more: {}", argument.replace(['<', '>'], ""))),
+        UsageError::MissingRequiredArgument => missing(error),
         _ => None,
     };
     format!("{}; --help lists the possible arguments", fault.unwrap_or_else(|| self::fault(&error.to_string())))
+}
+
+/// What is missing, and the whole command with it.
+fn missing(error: &clap::Error) -> Option<String> {
+    let plain = |text: &str| text.replace(['<', '>'], "");
+    let Some(ContextValue::Strings(names)) = error.get(ContextKind::InvalidArg) else { return None };
+    let Some(ContextValue::StyledStr(usage)) = error.get(ContextKind::Usage) else { return None };
+    let usage = plain(usage.to_string().trim_start_matches("Usage:").trim());
+    let names: Vec<_> = names.iter().map(|name| plain(name)).collect();
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    Some(format!("{} {verb} missing; write {usage}", names.join(" and ")))
 }
 
 /// First paragraph of clap's message and its tips on names that are similar, on one line.

@@ -40,6 +40,11 @@ fn names_of_other_renderers_are_explained() {
         (&["render", "--view", "scene.xml"], "name the scene before --view"),
         (&["scene.xml"], "`lodestar render scene.xml` renders a scene"),
         (&["merge", "a.exr", "-o", "b.exr"], "name two files or more"),
+        (
+            &["merge"],
+            "--output C.exr and A.exr A.exr... are missing; write lodestar merge --output C.exr A.exr A.exr...",
+        ),
+        (&["merge", "a.exr", "b.exr"], "--output C.exr is missing"),
         (&["compare", "a.exr"], "name two files or more"),
     ] {
         assert_sentence(&folder.run(arguments), 2, &[words, "--help"]);
