@@ -172,7 +172,7 @@ fn usage_sentence(error: &clap::Error) -> String {
     format!("{}; --help lists the possible arguments", fault.unwrap_or_else(|| self::fault(&error.to_string())))
 }
 
-/// What is missing, and the whole command with it.
+/// Sentence that names the arguments that are missing, and the whole command with them.
 fn missing(error: &clap::Error) -> Option<String> {
     let plain = |text: &str| text.replace(['<', '>'], "");
     let Some(ContextValue::Strings(names)) = error.get(ContextKind::InvalidArg) else { return None };
