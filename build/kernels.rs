@@ -33,6 +33,7 @@ impl BackEnd {
     pub const ALL: [Self; 3] = [Self::Storage, Self::Texel, Self::Query];
 
     /// Macros that the GLSL is compiled with.
+    #[cfg(feature = "shaderc")]
     pub fn macros(self) -> &'static [&'static str] {
         match self {
             Self::Storage => &[],
