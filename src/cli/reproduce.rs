@@ -64,9 +64,10 @@ pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
     let device = device_name(args.device.clone());
     let context = Context::new(&ContextOptions { device, validate: false })?;
     let (begin, meter) = (Instant::now(), RefCell::new(Meter::new(args.quiet)));
+    let forecast = RefCell::new(Forecast::default());
     let show = |status: &Status| {
-        let left = seconds_left(status, args.seconds, begin.elapsed().as_secs_f64());
-        let text = format!("{}, about {} left", status.doing, duration(left));
+        let (word, left) = forecast.borrow_mut().left(status, begin.elapsed().as_secs_f64());
+        let text = format!("{}, {word} {} left", status.doing, duration(left));
         meter.borrow_mut().update(status.done / status.total.max(1.0e-6), text);
     };
     let is_whole = plan.run(&context, &Watch { stop: &|| interrupt.is_raised(), show: &show })?;
@@ -77,12 +78,31 @@ pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
     Ok(interrupt.exit_code())
 }
 
-/// Seconds that are left: those of rendering, and for each picture as many besides as each picture so far took for all else.
-fn seconds_left(status: &Status, seconds_of_picture: f64, elapsed: f64) -> f64 {
-    let begun = (status.done / seconds_of_picture).floor() + 1.0;
-    let beside = (elapsed - status.done).max(0.0) / begun;
-    let left = (status.total - status.done).max(0.0);
-    left * (1.0 + beside / seconds_of_picture)
+/// Forecast of the time that is left. Loading and building kernels take time beside rendering; how much is known after the first scene.
+#[derive(Debug, Default)]
+struct Forecast {
+    /// Number of scenes that are finished.
+    finished: usize,
+    /// Seconds that these scenes took beside rendering.
+    beside: f64,
+}
+
+impl Forecast {
+    /// Seconds that are left, and the word before them.
+    fn left(&mut self, status: &Status, elapsed: f64) -> (&'static str, f64) {
+        let beside = (elapsed - status.done).max(0.0);
+        if status.finished > self.finished {
+            *self = Self { finished: status.finished, beside };
+        }
+        let rendering = (status.total - status.done).max(0.0);
+        if self.finished == 0 {
+            return ("at least", rendering);
+        }
+        let of_scene = self.beside / self.finished as f64;
+        let of_this = (of_scene - (beside - self.beside)).max(0.0);
+        let others = status.scenes.saturating_sub(self.finished + 1) as f64;
+        ("about", rendering + of_this + others * of_scene)
+    }
 }
 
 #[cfg(test)]
@@ -91,12 +111,15 @@ mod tests {
 
     #[test]
     fn the_time_left_grows_with_what_is_no_rendering() {
-        let status = |done| Status { doing: String::new(), done, total: 100.0 };
-        assert_eq!(seconds_left(&status(0.0), 10.0, 0.0), 100.0);
-        // Three pictures were begun, and 3 s went to each of them besides.
-        assert_eq!(seconds_left(&status(20.0), 10.0, 29.0), 104.0);
-        assert_eq!(seconds_left(&status(101.0), 10.0, 300.0), 0.0);
-        // The first picture has just begun, after 3 s of loading.
-        assert!(seconds_left(&status(0.02), 1.0, 3.0) < 400.0);
+        let status = |done, finished| Status { doing: String::new(), done, total: 100.0, finished, scenes: 5 };
+        let mut forecast = Forecast::default();
+        assert_eq!(forecast.left(&status(0.0, 0), 3.0), ("at least", 100.0));
+        assert_eq!(forecast.left(&status(15.0, 0), 30.0), ("at least", 85.0));
+        // The first scene took 12 s beside rendering, so each of the others will.
+        assert_eq!(forecast.left(&status(20.0, 1), 32.0), ("about", 128.0));
+        assert_eq!(forecast.left(&status(20.0, 1), 37.0), ("about", 123.0), "5 of the 12 s of this scene are over");
+        assert_eq!(forecast.left(&status(30.0, 1), 72.0), ("about", 106.0), "this scene takes longer");
+        assert_eq!(forecast.left(&status(100.0, 4), 300.0), ("about", 50.0));
+        assert_eq!(forecast.left(&status(101.0, 4), 400.0), ("about", 0.0));
     }
 }

@@ -33,6 +33,10 @@ pub struct Status {
     pub done: f64,
     /// Total rendering time of this run, in seconds.
     pub total: f64,
+    /// Number of scenes that are finished.
+    pub finished: usize,
+    /// Number of scenes in all.
+    pub scenes: usize,
 }
 
 impl Plan {
@@ -50,9 +54,11 @@ impl Plan {
         let mut findings = Findings::default();
         let mut total = self.seconds * ((methods.len() + maps) * names.len()) as f64;
         let mut done = 0.0;
-        for name in names {
+        let scenes = names.len();
+        for (finished, name) in names.into_iter().enumerate() {
             let show = |doing: &str, seconds: f64, total: f64| {
-                (watch.show)(&Status { doing: format!("{name}: {doing}"), done: seconds, total });
+                let doing = format!("{name}: {doing}");
+                (watch.show)(&Status { doing, done: seconds, total, finished, scenes });
             };
             show("loading", done, total);
             let stage = SceneStage::load(self, name, context)?;
