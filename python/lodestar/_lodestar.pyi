@@ -168,7 +168,7 @@ class Renderer:
         seed: int | None = 0,
         width: int | None = None,
         height: int | None = None,
-        device: int | str | None = None,
+        device: int | str | Renderer | None = None,
         guide: Guide | _Path | None = None,
         **settings: Unpack[_Keywords],
     ) -> Renderer: ...

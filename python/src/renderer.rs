@@ -99,8 +99,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 ///     Seed of all random numbers. The same seed gives the same bits.
 /// width, height : int
 ///     Size of the film in pixels. One alone keeps the scene's aspect ratio.
-/// device : int or str
-///     Index of a device of `lodestar.devices()`, or a part of its name.
+/// device : int, str or Renderer
+///     Index of a device of `lodestar.devices()`, or a part of its name. Or another renderer, whose device is taken: kernels that
+///     were built for it need not be built again.
 /// guide : Guide or path
 ///     A guide that another render has learned, to begin with, or its file. The seeds must differ.
 /// **settings
@@ -114,6 +115,19 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub struct Renderer(Arc<Shared>);
 
 impl Renderer {
+    /// Options by keywords. A device may be that of another renderer.
+    fn options(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
+        let device = settings.map(|settings| settings.get_item("device")).transpose()?.flatten();
+        let (Some(settings), Some(Ok(beside))) = (settings, device.map(Bound::cast_into::<Self>)) else {
+            return options::of_render(settings);
+        };
+        let py = settings.py();
+        let settings = settings.copy()?;
+        settings.del_item("device")?;
+        let context = beside.get().0.with(py, |session| Arc::clone(session.context()))?;
+        Ok(options::of_render(Some(&settings))?.context(&context))
+    }
+
     fn begin(
         py: Python<'_>,
         subject: Subject,
@@ -257,7 +271,7 @@ impl Renderer {
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = scene.py();
-        let options = options::of_render(settings)?;
+        let options = Self::options(settings)?;
         let (guide, options) = match guide.map(|guide| (guide, guide.cast::<Guide>())) {
             None => (None, options),
             Some((_, Ok(guide))) => (Some(guide), options),
@@ -320,7 +334,7 @@ impl Renderer {
     }
 
     /// Ends the render, from any thread: a step that another thread takes returns after its next dispatch, with fewer samples, and later
-    /// ones take none. The picture so far stays.
+    /// ones take none. The picture so far stays. `set_camera` and `set_size` begin anew and end the stop.
     fn stop(&self) {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
@@ -425,7 +439,10 @@ impl Renderer {
         py: Python<'_>,
         change: impl FnOnce(&mut Session) -> lodestar::Result<()> + Send,
     ) -> PyResult<()> {
-        self.0.with(py, change)?.map_err(raised)?;
+        // A stop that comes while the view changes is for the picture before the change.
+        let changed =
+            |session: &mut Session| change(session).inspect(|()| self.0.is_stopped.store(false, Ordering::Relaxed));
+        self.0.with(py, changed)?.map_err(raised)?;
         lock(&self.0.points).clear();
         Ok(())
     }

@@ -420,6 +420,28 @@ def test_the_camera_changes_and_the_guide_stays(room_scene):
         renderer.set_size(0, 4)
 
 
+def test_a_stop_ends_with_another_view(room_scene):
+    renderer = lodestar.Renderer(room_scene, seed=1, width=32, height=24)
+    renderer.stop()
+    assert renderer.step(4) == 0
+    renderer.set_size(24, 20)
+    assert renderer.step(4) == 4
+    renderer.stop()
+    renderer.set_camera({"type": "perspective", "fov": 40.0})
+    assert renderer.step(4) == 4
+
+
+def test_a_renderer_takes_the_device_of_another(room_scene):
+    first = lodestar.Renderer(room_scene, seed=1, width=32, height=24)
+    second = lodestar.Renderer(room_scene, seed=1, width=32, height=24, device=first)
+    for renderer in (first, second):
+        renderer.step(4)
+    assert (first.picture().radiance == second.picture().radiance).all()
+    # It outlives the first one.
+    del first
+    assert second.step(4) == 8
+
+
 def test_a_guide_is_a_file(room_scene, tmp_path):
     renderer = lodestar.Renderer(room_scene, seed=1, directions=16)
     with pytest.raises(lodestar.Error, match="learned nothing yet"):

@@ -121,7 +121,7 @@ pub(super) fn xml(camera: &Camera, [width, height]: [u32; 2]) -> String {
         float("aperture_radius", aperture_radius);
         float("focus_distance", focus_distance);
     }
-    if plugin == "perspective" {
+    if camera.projection != Projection::Orthographic {
         float("principal_point_offset_x", camera.principal_point.x);
         float("principal_point_offset_y", camera.principal_point.y);
     }

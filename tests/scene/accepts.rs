@@ -97,6 +97,12 @@ fn sensors() {
     // Mitsuba focuses on the far plane by default.
     let parameters = r#"<float name="aperture_radius" value="0.1"/><float name="far_clip" value="70"/>"#;
     assert_eq!(lens(parameters), Projection::ThinLens { aperture_radius: 0.1, focus_distance: 70.0 });
+    // A lens may be shifted, too.
+    let shift =
+        r#"<float name="principal_point_offset_x" value="0.25"/><float name="principal_point_offset_y" value="-0.5"/>"#;
+    let lens = r#"<float name="aperture_radius" value="0.1"/>"#;
+    assert_eq!(camera("thinlens", &format!("{lens}{shift}")).principal_point, Vec2::new(0.25, -0.5));
+    assert_eq!(camera("perspective", shift).principal_point, Vec2::new(0.25, -0.5));
     let scaled = r#"<transform name="to_world"><scale x="3" y="2"/></transform><float name="near_clip" value="0.5"/>"#;
     let orthographic = camera("orthographic", scaled);
     assert_eq!(orthographic.projection, Projection::Orthographic);

@@ -120,20 +120,18 @@ def _perspective(
     xml.add(element, "fov", units.field_of_view(sensor, camera.lens))
     xml.add(element, "fov_axis", "x" if is_horizontal else "y")
     if has_lens:
-        if shift != (0.0, 0.0):
-            report.warn(place, "shift together with depth of field is not supported; the shift is left out")
         if dof.aperture_blades > 2 or dof.aperture_ratio != 1.0:
             report.warn(place, "blades and ratio of the aperture are not supported; it is round")
         xml.add(element, "aperture_radius", units.aperture_radius(camera.lens, dof.aperture_fstop))
-        xml.add(element, "focus_distance", _focus(dof, owner))
-    elif shift != (0.0, 0.0):
+        xml.add(element, "focus_distance", focus(dof, owner))
+    if shift != (0.0, 0.0):
         # Mitsuba's offset moves the picture, Blender's shift the view.
         xml.add(element, "principal_point_offset_x", shift[0])
         xml.add(element, "principal_point_offset_y", -shift[1])
     return xml.add_course(element, course.mapped(_looking))
 
 
-def _focus(dof: Any, owner: Any) -> float:
+def focus(dof: Any, owner: Any) -> float:
     """Distance of the plane in focus along the view."""
     if dof.focus_object is None:
         return max(float(dof.focus_distance), 1e-6)

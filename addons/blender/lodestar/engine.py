@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import tempfile
 import traceback
+import weakref
 from pathlib import Path
 from typing import Any, NamedTuple, Optional
 
@@ -13,6 +14,8 @@ import numpy as np
 
 from . import devices, exr, export, inside, process, properties
 from .camera import Unsupported
+from .interactive import Interactive
+from .viewport import close_all
 
 
 class Pass(NamedTuple):
@@ -84,7 +87,23 @@ class LodestarEngine(bpy.types.RenderEngine):
     bl_label = "Lodestar"
     bl_use_preview = False
     bl_use_shading_nodes_custom = False
+    # Material Preview is EEVEE's; the mode Rendered is this engine's.
     bl_use_eevee_viewport = True
+
+    def view_update(self, context: Any, depsgraph: Any) -> None:
+        """Notes that data of a viewport have changed."""
+        self._interactive().update(self, depsgraph)
+
+    def view_draw(self, context: Any, depsgraph: Any) -> None:
+        """Draws a viewport."""
+        self._interactive().draw(self, context, depsgraph)
+
+    def _interactive(self) -> Interactive:
+        if not hasattr(self, "interactive"):
+            self.interactive = Interactive()
+            # Blender takes its data from an engine before Python deletes it, so that a method of the engine could not read them.
+            weakref.finalize(self, self.interactive.close)
+        return self.interactive
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
         """Tells the compositor which passes there are."""
@@ -197,4 +216,5 @@ def register() -> None:
 
 
 def unregister() -> None:
+    close_all()
     bpy.utils.unregister_class(LodestarEngine)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
@@ -14,7 +16,7 @@ from .grids import Grids
 from .hashes import number_of_object
 from .images import Images
 from .instances import Shapes
-from .meshes import Meshes, Part, Wanted
+from .meshes import Kept, Meshes, Part, Wanted
 from .nodes import Placed, Reader, Surroundings
 from .report import Report
 from .volumes import Volume
@@ -41,6 +43,19 @@ class Export:
     film: camera.Film
     meshes_written: int
     files: set[str] = field(default_factory=set)
+    # Of all but the camera, where a viewport has asked for the export.
+    digest: str = ""
+
+
+@dataclass
+class Viewed:
+    """What a viewport shows of a scene."""
+
+    # In place of the scene's camera.
+    eye: Any
+    # Whether it shows an instance of the depsgraph.
+    shows: Callable[[Any], bool]
+    kept: Kept
 
 
 def export(depsgraph: Any, folder: Path, options: Options, frame_set: Optional[motion.FrameSet] = None) -> Export:
@@ -59,13 +74,18 @@ def export(depsgraph: Any, folder: Path, options: Options, frame_set: Optional[m
         shutter.close()
 
 
+def export_view(depsgraph: Any, folder: Path, options: Options, viewed: Viewed) -> Export:
+    """Writes a scene to `folder` as a viewport shows it, at one moment."""
+    return _Exporter(depsgraph, folder, options, viewed).run()
+
+
 class _Exporter:
-    def __init__(self, depsgraph: Any, folder: Path, options: Options) -> None:
+    def __init__(self, depsgraph: Any, folder: Path, options: Options, viewed: Optional[Viewed] = None) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        self.depsgraph, self.folder, self.options = depsgraph, folder, options
+        self.depsgraph, self.folder, self.options, self.viewed = depsgraph, folder, options, viewed
         self.report = Report()
         self.images = Images(folder, self.report)
-        self.meshes = Meshes(folder, self.report)
+        self.meshes = Meshes(folder, self.report, None if viewed is None else viewed.kept)
         self.materials: dict[str, materials.Material] = {}
         self.parts: dict[Any, list[Part]] = {}
         self.shapes = Shapes()
@@ -79,21 +99,17 @@ class _Exporter:
         self.unfound: set[int] = set()
         self.surfaces_emit = self.has_glass = False
         # A marker may bind another camera to another time of the shutter.
-        self.camera = depsgraph.scene.camera
+        self.camera = depsgraph.scene.camera if viewed is None else viewed.eye
         self.motions = motion.Motions(depsgraph, self.camera, self.report)
 
     def run(self) -> Export:
         scene = self.depsgraph.scene_eval
-        self.camera = self.camera.evaluated_get(self.depsgraph)
         self.layer = self.depsgraph.view_layer_eval
         unsupported.report_scene(self.depsgraph, self.report)
-        course = self.motions.course(motion.CAMERA, self.camera.matrix_world, f'camera "{self.camera.name}"')
-        sensor = camera.export(self.camera, course, scene, self.options.filter, self.report)
-        if self.motions:
-            xml.add(xml.add(sensor, "shutter_open", 0.0), "shutter_close", 1.0)
-        self.projection = camera.projection(self.camera, scene, self.depsgraph)
+        sensor, course = self._sensor(scene)
         for instance in self.depsgraph.object_instances:
-            self._instance(instance)
+            if self.viewed is None or self.viewed.shows(instance):
+                self._instance(instance)
         environment = world.export(self._world(scene), self.images, self.report)
         self.enclosures.world = world.volume(self._world(scene), self.images, self.report)
         self.enclosures.show()
@@ -128,7 +144,30 @@ class _Exporter:
             file.write(end + rest)
         files = self.meshes.used | self.images.used | self.grid_files
         _remove_unused(self.folder, files)
-        return Export(path, self.report, camera.film(scene.render), self.meshes.written, files)
+        digest = "" if self.viewed is None else self._digest(each for each in root if each is not sensor)
+        return Export(path, self.report, camera.film(scene.render), self.meshes.written, files, digest)
+
+    def _sensor(self, scene: Any) -> tuple[xml.Element, xml.Course]:
+        """`<sensor>`, and the course of the camera."""
+        if self.viewed is not None:
+            self.projection = self.camera.projection
+            return self.camera.sensor(self.options.filter), xml.Course(self.camera.matrix_world)
+        self.camera = self.camera.evaluated_get(self.depsgraph)
+        course = self.motions.course(motion.CAMERA, self.camera.matrix_world, f'camera "{self.camera.name}"')
+        sensor = camera.export(self.camera, course, scene, self.options.filter, self.report)
+        if self.motions:
+            xml.add(xml.add(sensor, "shutter_open", 0.0), "shutter_close", 1.0)
+        self.projection = camera.projection(self.camera, scene, self.depsgraph)
+        return sensor, course
+
+    def _digest(self, elements: Iterable[xml.Element]) -> str:
+        """Digest of elements and of all instances."""
+        digest = hashlib.blake2b(digest_size=16)
+        for each in elements:
+            digest.update(xml.ElementTree.tostring(each))
+        for line in self.shapes.lines():
+            digest.update(line.encode())
+        return digest.hexdigest()
 
     # ----------------------------------------------------------------------------------------------- instances
 
@@ -206,7 +245,7 @@ class _Exporter:
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
-        parts = self._mesh_parts(owner, keys)
+        parts = self._mesh_parts(owner, keys, is_kept=instancer is None)
         shown = tuple((file, keys[part.slot], is_unseen) for part in parts for file in part.files)
         volume = self._volume_within(owner, keys)
         is_boundary = volume is not None or any(self.materials[key].below is not None for key in keys)
@@ -285,13 +324,13 @@ class _Exporter:
         reader = Reader(f'material "{material.name}"', self.report, self.images)
         return (output and volumes.translate(reader, output.inputs["Volume"], grids)) or Volume()
 
-    def _mesh_parts(self, owner: Any, keys: list[str]) -> list[Part]:
+    def _mesh_parts(self, owner: Any, keys: list[str], is_kept: bool) -> list[Part]:
         """Files of an object's mesh. Instances of one object or mesh share them."""
         used = [self.materials[key] for key in keys]
         wanted = [Wanted(m.uv_map, m.color_attribute, m.emission is not None) for m in used]
         key = (owner.data.as_pointer(), tuple(wanted))
         if key not in self.parts:
-            self.parts[key] = self.meshes.export(owner, wanted, self.depsgraph)
+            self.parts[key] = self.meshes.export(owner, wanted, is_kept)
         return self.parts[key]
 
     def _shape(self, file: str, key: str, is_unseen: bool) -> xml.Element:

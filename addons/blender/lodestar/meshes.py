@@ -36,16 +36,57 @@ class Wanted(NamedTuple):
     emits: bool
 
 
+class Kept:
+    """Parts of objects' meshes that one export leaves to the next."""
+
+    def __init__(self) -> None:
+        self._parts: dict[Any, tuple[Any, list[Part]]] = {}
+
+    def forget(self, numbers: set[int]) -> None:
+        """Forgets meshes of objects and of data with these numbers (`session_uid`), which have changed."""
+        self._parts = {key: kept for key, kept in self._parts.items() if not numbers.intersection(key[:2])}
+
+    def find(self, owner: Any, wanted: list[Wanted], folder: Path) -> Optional[list[Part]]:
+        """Parts of an object that has not changed; None where none are known."""
+        shape, parts = self._parts.get(_key(owner, wanted), (None, []))
+        is_here = shape == _shape(owner) and all((folder / file).exists() for part in parts for file in part.files)
+        return parts if is_here else None
+
+    def keep(self, owner: Any, wanted: list[Wanted], parts: list[Part]) -> None:
+        """Keeps parts of an object."""
+        self._parts[_key(owner, wanted)] = (_shape(owner), parts)
+
+
+def _key(owner: Any, wanted: list[Wanted]) -> Any:
+    original = owner.original
+    return original.session_uid, original.data.session_uid, tuple(wanted)
+
+
+def _shape(owner: Any) -> Any:
+    mesh = owner.data
+    return len(mesh.vertices), len(mesh.loops), len(mesh.polygons)
+
+
 class Meshes:
     """Mesh files of one export."""
 
-    def __init__(self, folder: Path, report: Report) -> None:
-        self.folder, self.report = folder, report
+    def __init__(self, folder: Path, report: Report, kept: Optional[Kept] = None) -> None:
+        self.folder, self.report, self._kept = folder, report, kept
         self.used: set[str] = set()
         self.written = 0
 
-    def export(self, instance: Any, wanted: list[Wanted], depsgraph: Any) -> list[Part]:
-        """Writes the parts of an evaluated object in its own space."""
+    def export(self, instance: Any, wanted: list[Wanted], is_kept: bool) -> list[Part]:
+        """Writes the parts of an evaluated object in its own space, unless they are kept from before."""
+        if self._kept is None or not is_kept:
+            return self._export(instance, wanted)
+        parts = self._kept.find(instance, wanted, self.folder)
+        if parts is None:
+            parts = self._export(instance, wanted)
+            self._kept.keep(instance, wanted, parts)
+        self.used.update(file for part in parts for file in part.files)
+        return parts
+
+    def _export(self, instance: Any, wanted: list[Wanted]) -> list[Part]:
         mesh = instance.to_mesh()
         try:
             return [] if mesh is None else self._parts(mesh, wanted, f'object "{instance.name}"')

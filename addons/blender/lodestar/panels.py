@@ -84,6 +84,18 @@ class LODESTAR_PT_passes(_Panel, bpy.types.Panel):
         column.prop(settings, "combined_denoised")
 
 
+class LODESTAR_PT_viewport(_Panel, bpy.types.Panel):
+    """The shading mode Rendered of 3D views."""
+
+    bl_label = "Viewport"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        self.layout.use_property_split = True
+        for name in ("samples", "pixel", "denoise"):
+            self.layout.prop(context.scene.lodestar, f"viewport_{name}")
+
+
 class LODESTAR_PT_motion(_Panel, bpy.types.Panel):
     """How long the shutter is open."""
 
@@ -132,7 +144,15 @@ class LODESTAR_PT_device(_Panel, bpy.types.Panel):
         properties.draw_devices(self.layout, chosen.program if chosen is not None else "", 44)
 
 
-CLASSES = (LODESTAR_PT_length, LODESTAR_PT_paths, LODESTAR_PT_motion, LODESTAR_PT_object_motion, LODESTAR_PT_passes, LODESTAR_PT_device)
+CLASSES = (
+    LODESTAR_PT_length,
+    LODESTAR_PT_paths,
+    LODESTAR_PT_viewport,
+    LODESTAR_PT_motion,
+    LODESTAR_PT_object_motion,
+    LODESTAR_PT_passes,
+    LODESTAR_PT_device,
+)
 
 
 def _shared_panels() -> list[Any]:

@@ -42,6 +42,14 @@ class LodestarSettings(bpy.types.PropertyGroup):
     denoise: BoolProperty(name="Denoise", description="Add a pass with the denoised picture; needs Open Image Denoise", default=False)  # type: ignore[valid-type]
     combined_denoised: BoolProperty(name="Denoised in Combined", description="Show the denoised picture as Combined", default=False)  # type: ignore[valid-type]
     update_every: FloatProperty(name="Update Every", description="Seconds between two pictures of the growing render", default=2.0, min=0.2, max=3600.0)  # type: ignore[valid-type]
+    viewport_samples: IntProperty(name="Samples", description="Samples per pixel of a viewport that rests", default=128, min=1, max=2**31 - 1)  # type: ignore[valid-type]
+    viewport_pixel: EnumProperty(  # type: ignore[valid-type]
+        name="Pixel Size",
+        description="Side of a rendered pixel on the screen while a viewport rests",
+        items=[("1", "1x", "Full size"), ("2", "2x", "A quarter of the pixels"), ("4", "4x", "A 16th"), ("8", "8x", "A 64th")],
+        default="1",
+    )
+    viewport_denoise: BoolProperty(name="Denoise", description="Denoise a viewport that rests; needs Open Image Denoise", default=False)  # type: ignore[valid-type]
     arguments: StringProperty(name="More Options", description="More options of `lodestar render`, as on the command line, such as --grid auto")  # type: ignore[valid-type]
     pass_albedo: BoolProperty(name="Albedo", description="Mean albedo at the first hit", default=False)  # type: ignore[valid-type]
     pass_normal: BoolProperty(name="Normal", description="Mean normal at the first hit", default=False)  # type: ignore[valid-type]

@@ -31,13 +31,13 @@ def test_devices_of_one_name_are_told_apart() -> None:
     assert [devices.option(name) for name in ("", " ", "llvmpipe (LLVM 15)", "#1 GeForce")] == [None, None, "llvmpipe (LLVM 15)", "1"]
 
 
-def in_clean_blender(folder: Path, **variables: str) -> dict[str, Any]:
-    """What `in_extension.py` finds in a Blender without settings, and without the program in PATH."""
-    script = Path(__file__).parent / "in_extension.py"
+def in_clean_blender(folder: Path, script: str = "in_extension.py", *arguments: str, **variables: str) -> dict[str, Any]:
+    """What a script finds in a Blender without settings, and without the program in PATH."""
     environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder / "resources"), "PATH": os.defpath, **variables}
     environment.pop("PYTHONPATH", None)
-    command = [sys.executable, str(script), str(Path(ZIP).resolve()), str(Path(support.PROGRAM).resolve()), str(folder)]
-    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300, check=False)
+    program = [str(Path(support.PROGRAM).resolve())] if script == "in_extension.py" else []
+    command = [sys.executable, str(Path(__file__).parent / script), str(Path(ZIP).resolve()), *program, str(folder), *arguments]
+    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=900, check=False)
     assert ended.returncode == 0, ended.stdout + ended.stderr
     return json.loads((folder / "found.json").read_text())
 
@@ -69,3 +69,24 @@ def test_a_missing_driver_is_explained(tmp_path: Path) -> None:
     assert " ".join(found["drawn"]).startswith("no Vulkan driver found: install your GPU's, or")
     assert "operator lodestar.look_for_devices" in found["drawn"]
     assert "no Vulkan driver found" in found["fault"]
+
+
+@needs_zip
+def test_a_view_is_drawn_as_it_is_rendered(tmp_path: Path) -> None:
+    """The viewport through Blender's own drawing: sides, border, background, noise, the same light as F12, and edits."""
+    found = in_clean_blender(tmp_path, "in_viewport.py", "40")
+    pictures, edits = found["pictures"], found.get("edits", {})
+    assert "fault" not in pictures, pictures["fault"]
+    assert pictures["status"] == "Sample 16/16" and abs(pictures["mean"] / found["final"] - 1.0) < 0.02
+    left, right = pictures["left"], pictures["right"]
+    assert left[0] > 3.0 * left[1] and right[1] > 3.0 * right[0] and pictures["floor"] > 1.05 * pictures["top"]
+    assert pictures["outside_of_border"] == 0.0 and pictures["inside_of_border"] < 0.1
+    # A transparent film is drawn over what the region shows already.
+    assert pictures["covered"] < 0.05 and pictures["background"] < 1e-3 and pictures["room"] > 0.1
+    # Blender has Open Image Denoise.
+    assert abs(pictures["denoised"] / pictures["mean"] - 1.0) < 0.05
+    assert pictures["noise_left"] < 0.8 or "not denoised" in pictures["status_denoised"]
+    # Scenes came after each other, each with the guide of the one before and other samples; nothing is left of them.
+    assert edits["kinds"] >= 8 and edits["seed"] > 0 and not found["threads"]
+    assert set(edits["statuses"]) <= {"Preparing", "Moving", "Sample"}
+    assert edits["megabytes"][-1] < 1.3 * edits["megabytes"][len(edits["megabytes"]) // 2]

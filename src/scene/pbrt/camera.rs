@@ -109,9 +109,6 @@ fn perspective(entity: &Entity, pose: &Pose, scale: f64, window: &Window) -> Res
         let across = 0.5 + window.left / (window.right - window.left);
         let down = 0.5 - window.top / (window.top - window.bottom);
         let is_centered = across.abs() < SQUARE && down.abs() < SQUARE;
-        if plugin == "thinlens" && !is_centered {
-            return Err(entity.error("a `screenwindow` beside the center is not supported with a `lensradius`"));
-        }
         if !is_centered {
             sensor = sensor.with("principal_point_offset_x", Value::Float(across));
             sensor = sensor.with("principal_point_offset_y", Value::Float(down));

@@ -68,7 +68,7 @@ pub(super) fn parse_camera<'a>(object: &'a Object, scope: &Scope<'a>) -> Result<
 
 fn parse_plugin(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<Camera> {
     match properties.plugin() {
-        "perspective" => parse_perspective(properties),
+        "perspective" => parse_pinhole(properties),
         "thinlens" => parse_thin_lens(properties, warnings),
         "orthographic" => parse_orthographic(properties),
         _ => Err(properties.owner().unsupported(&["perspective", "thinlens", "orthographic"])),
@@ -109,13 +109,6 @@ fn parse_motion(
     }
 }
 
-fn parse_perspective(properties: &mut Properties) -> Result<Camera> {
-    let camera = parse_pinhole(properties)?;
-    let mut offset = |name: &str| Ok(properties.float(name)?.unwrap_or(0.0));
-    let principal_point = Vec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?);
-    Ok(Camera { principal_point, ..camera })
-}
-
 fn parse_thin_lens(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<Camera> {
     let object = properties.owner();
     let camera = parse_pinhole(properties)?;
@@ -153,7 +146,9 @@ fn parse_pinhole(properties: &mut Properties) -> Result<Camera> {
     let world_from_camera = world_from_camera.as_mat4();
     let (fov, fov_axis) = parse_fov(properties)?;
     let (near_clip, far_clip) = parse_clips(properties)?;
-    let (projection, principal_point) = (Projection::Perspective, Vec2::ZERO);
+    let mut offset = |name: &str| Ok(properties.float(name)?.unwrap_or(0.0));
+    let principal_point = Vec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?);
+    let projection = Projection::Perspective;
     Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
 }
 

@@ -48,6 +48,9 @@ fn windows_move_the_principal_point() {
     let text = "Film \"rgb\" \"integer xresolution\" 30 \"integer yresolution\" 20\n\
                 Camera \"perspective\" \"float fov\" 90 \"float screenwindow\" [ -0.5 2.5 -1.5 0.5 ] WorldBegin";
     let camera = load_text(text).unwrap().camera;
+    let with_lens = load_text(&text.replace("WorldBegin", "\"float lensradius\" 0.1 WorldBegin")).unwrap().camera;
+    assert_eq!(with_lens.principal_point, camera.principal_point);
+    assert!(matches!(with_lens.projection, Projection::ThinLens { .. }));
     let half = camera.half_extent(30, 20);
     assert_close(&half.to_array(), &[1.5, 1.0]);
     // Mitsuba's x points to the left.
