@@ -9,19 +9,24 @@ import numpy as np
 from .viewport import Shown
 
 
+# Largest number of a texture's format.
+MOST = 65504.0
+
+
 class Canvas:
     """The texture of the newest picture."""
 
     def __init__(self) -> None:
-        self._picture: Optional[Shown] = None
+        self._drawn: Optional[tuple[Shown, bool]] = None
         self._texture: Optional[Any] = None
 
     def draw(self, engine: Any, scene: Any, picture: Shown) -> None:
         """Draws a picture over what the region shows already, where the picture is transparent or does not reach."""
         import gpu
 
-        if self._picture is not picture or self._texture is None:
-            self._texture, self._picture = _texture(picture, scene.render.film_transparent), picture
+        is_transparent = scene.render.film_transparent
+        if self._drawn is None or self._drawn[0] is not picture or self._drawn[1] != is_transparent:
+            self._texture, self._drawn = _texture(picture, is_transparent), (picture, is_transparent)
         before = gpu.state.blend_get()
         gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(scene)
@@ -35,12 +40,11 @@ class Canvas:
 def _texture(picture: Shown, is_transparent: bool) -> Any:
     import gpu
 
-    colors = picture.colors
+    colors = np.minimum(picture.colors, MOST)
     if not is_transparent:
-        colors = colors.copy()
         colors[..., 3] = 1.0
     height, width = colors.shape[:2]
-    pixels = gpu.types.Buffer("FLOAT", colors.size, np.ascontiguousarray(colors).ravel())
+    pixels = gpu.types.Buffer("FLOAT", colors.size, colors.ravel())
     return gpu.types.GPUTexture((width, height), format="RGBA16F", data=pixels)
 
 

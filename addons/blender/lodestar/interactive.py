@@ -32,6 +32,8 @@ class Interactive:
         self._viewport: Optional[Viewport] = None
         self._options: dict[str, Any] = {}
         self._fault = "" if self._package is not None else NO_PACKAGE
+        # What kept the scene as it is now from being exported.
+        self._fault_of_export = ""
         self._is_followed = False
 
     # ----------------------------------------------------------------------------------------------- Blender's calls
@@ -47,11 +49,8 @@ class Interactive:
             try:
                 self._follow(context, depsgraph)
                 self._fault = ""
-            except (Unsupported, OSError, ValueError) as fault:
-                self._fault = str(fault)
-            except Exception as fault:  # noqa: BLE001: a fault of the add-on must not end the drawing of Blender's window
-                traceback.print_exc()
-                self._fault = f"a fault of the add-on, {type(fault).__name__}: {fault}"
+            except Exception as fault:  # noqa: BLE001: no fault may end the drawing of Blender's window
+                self._fault = _words(fault)
         viewport = self._viewport
         if viewport is not None and viewport.picture is not None:
             self._canvas.draw(engine, depsgraph.scene, viewport.picture)
@@ -72,8 +71,9 @@ class Interactive:
     @property
     def status(self) -> str:
         """What the viewport does, or what is wrong, in words."""
-        if self._fault:
-            return self._fault
+        fault = self._fault or self._fault_of_export
+        if fault:
+            return fault
         status = "" if self._viewport is None else self._viewport.status
         warnings = self._scenery.warnings
         return f"{status} | {warnings} warnings: see them after F12" if warnings else status
@@ -104,8 +104,12 @@ class Interactive:
         options = self._session_options(depsgraph.scene.lodestar)
         if not self._scenery.changes.are_seen and options == self._options:
             return
-        scene_file = self._scenery.written(depsgraph, space, view, forced=options != self._options)
-        self._options = options
+        try:
+            scene_file = self._scenery.written(depsgraph, space, view, forced=options != self._options)
+        except Exception as fault:  # noqa: BLE001: it is told until the scene changes
+            self._fault_of_export = _words(fault)
+            return
+        self._options, self._fault_of_export = options, ""
         if scene_file is not None:
             viewport.change(scene_file, options)
 
@@ -119,6 +123,14 @@ class Interactive:
         if device is not None:
             options["device"] = device
         return {**options, **inside.keywords(settings.arguments, self._package.options())}
+
+
+def _words(fault: Exception) -> str:
+    """What is wrong, in words. A fault of the add-on is printed, too."""
+    if isinstance(fault, (Unsupported, OSError, ValueError)):
+        return str(fault)
+    traceback.print_exception(fault)
+    return f"a fault of the add-on, {type(fault).__name__}: {fault}"
 
 
 class _Look:

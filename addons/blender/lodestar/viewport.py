@@ -228,6 +228,8 @@ class Viewport:
         finally:
             with self._news:
                 self._is_refining = self._is_interrupted = self._is_busy = False
+                # Changes that waited for the end of the reading are asked for once more.
+                self._is_changed |= scene is not None
                 self._is_reading = self._scene is not None
 
     def _begin(self, scene_file: Path, options: dict[str, Any], view: View, quality: Quality) -> None:

@@ -196,6 +196,34 @@ def test_what_is_wrong_is_told_in_the_view(view: View3D) -> None:
     assert view.engine.status == "no Vulkan driver found"
 
 
+def test_a_fault_of_an_export_is_told_until_the_scene_changes(view: View3D, monkeypatch: pytest.MonkeyPatch) -> None:
+    from lodestar import export
+
+    view.rest()
+    calls: list[int] = []
+
+    def failing(*_: Any) -> None:
+        calls.append(1)
+        raise OSError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(export, "export_view", failing)
+        assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.2)) == 0
+        view.rest()
+        assert view.engine.status == "the disk is full" and len(calls) == 1
+    assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.3)) == 1
+    assert view.engine.status == "Sample 2/2"
+
+
+def test_a_look_ends_with_its_engine(view: View3D) -> None:
+    engine = Engine()
+    look = interactive._Look(engine, view.interactive)
+    view.rest()
+    assert look() == interactive.LOOK and engine.redraws == 1
+    del engine
+    assert look() is None
+
+
 def test_without_the_package_the_view_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inside, "package", lambda: None)
     view_scenes.room()
