@@ -112,6 +112,8 @@ class Viewport:
         self._picture: Optional[Shown] = None
         # The rest belongs to the thread.
         self._renderer: Optional[Any] = None
+        self._before: Optional[Any] = None
+        self._device: Optional[str] = None
         self._view: Optional[View] = None
         self._pixel = 1
         self._samples, self._is_denoised = 0, False
@@ -235,14 +237,15 @@ class Viewport:
     def _begin(self, scene_file: Path, options: dict[str, Any], view: View, quality: Quality) -> None:
         """Reads a scene. The guide of the one before stays, if it suits."""
         self._is_changed = True
-        before, self._renderer, self._view = self._renderer, None, None
+        # A scene that cannot be read leaves what is known to the next one.
+        self._before, self._renderer, self._view = self._renderer or self._before, None, None
         pixel = self._detail.first(view, quality.pixel)
         width, height = view.film(pixel)
         options = {**options, "width": width, "height": height}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            renderer = self._renderer_of(before, scene_file, options)
-        del before
+            renderer = self._renderer_of(self._before, scene_file, options)
+        self._before, self._device = None, options.get("device")
         with self._news:
             self._renderer = renderer
         self._follow(view, pixel)
@@ -259,9 +262,10 @@ class Viewport:
     def _inherited(self, before: Optional[Any], options: dict[str, Any]) -> Iterator[dict[str, Any]]:
         if before is None:
             return
-        chosen = str(options.get("device", ""))
+        chosen = options.get("device")
         # A renderer has several devices where they are listed.
-        device = {} if chosen == "all" or "," in chosen else {"device": before}
+        is_one = chosen is None or (chosen != "all" and "," not in chosen)
+        device = {"device": before} if is_one and chosen == self._device else {}
         settings = before.settings
         # A sampler's guide serves that sampler, and an unguided one has none.
         if options["sampler"] == settings["sampler"] != "bsdf":
@@ -344,7 +348,10 @@ def _work(viewport: weakref.ref[Viewport], news: threading.Condition) -> None:
     while True:
         with news:
             found = viewport()
-            if found is None or not found._is_open:
+            if found is None:
+                return
+            if not found._is_open:
+                found._renderer = found._before = None
                 return
             wanted = found._take()
             if wanted is None:

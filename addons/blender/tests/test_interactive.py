@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -261,10 +262,14 @@ def test_a_thousand_edits_leave_nothing_behind(view: View3D) -> None:
     assert without_camera(Renderer.all[-1].text) == without_camera(shown)
     files = {path.name for path in folder.iterdir()}
     assert files == {"scene.xml"} | {name for name in files if name in shown}
-    Renderer.all = []
-    assert Renderer.alive <= 2
     view.interactive.close()
     assert not folder.exists()
+    Renderer.all = []
+    end = time.monotonic() + 10.0
+    while Renderer.alive and time.monotonic() < end:
+        gc.collect()
+        time.sleep(0.01)
+    assert not Renderer.alive
 
 
 def without_camera(text: str) -> str:

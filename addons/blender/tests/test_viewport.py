@@ -101,9 +101,11 @@ def test_another_scene_begins_with_the_guide_and_the_device_of_the_one_before(vi
     assert set(second.options["guide"]) and second.options["device"] == id(first)
     # A guide must not have learned from the samples that it guides.
     assert second.options["seed"] not in second.options["guide"]
-    viewport.change(tmp_path / "scene.xml", {**OPTIONS, "sampler": "product", "device": "0,1"})
-    wait(lambda: len(Renderer.all) == 3 and is_at_rest(viewport))
-    assert Renderer.all[2].options["device"] == "0,1"
+    # Another device that is chosen, and several of them, are taken as they are.
+    for at, device in enumerate(("1", "0,1", "0,1"), 2):
+        viewport.change(tmp_path / "scene.xml", {**OPTIONS, "device": device})
+        wait(lambda: len(Renderer.all) == at + 1 and is_at_rest(viewport))
+        assert Renderer.all[at].options["device"] == device and Renderer.all[at].options["guide"]
 
 
 def test_a_scene_that_is_refused_is_told_and_the_next_one_is_shown(viewport: Viewport, tmp_path: Path) -> None:
@@ -117,6 +119,8 @@ def test_a_scene_that_is_refused_is_told_and_the_next_one_is_shown(viewport: Vie
     viewport.change(tmp_path / "scene.xml", OPTIONS)
     wait(lambda: is_at_rest(viewport))
     assert viewport.status == "Sample 1/1"
+    # What was learned before the fault is not lost.
+    assert Renderer.all[-1].options["guide"]
 
 
 def test_a_view_that_is_refused_is_told_until_the_next_one(viewport: Viewport) -> None:
