@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import devices, exr, export, inside, process, properties
-from .camera import Unsupported
+from .camera import Unsupported, film
 from .interactive import Interactive
 from .viewport import close_all
 
@@ -117,6 +117,10 @@ class LodestarEngine(bpy.types.RenderEngine):
 
     def render(self, depsgraph: Any) -> None:
         """Renders one frame of one view layer."""
+        # Blender crashes where it writes a file of a render that has no result, as one that ends before its first picture.
+        result = self._begin_result(depsgraph, *film(depsgraph.scene.render).window[2:])
+        if result is not None:
+            self.end_result(result)
         try:
             self._render(depsgraph)
         except (Unsupported, OSError, ValueError) as fault:
@@ -186,9 +190,7 @@ class LodestarEngine(bpy.types.RenderEngine):
         scene = depsgraph.scene
         # Blender asks for the border's window only, and puts it into the whole picture itself.
         width, height = exported.film.window[2:]
-        for each in self._passes(scene):
-            self.add_pass(each.name, len(each.ids), each.ids, layer=depsgraph.view_layer.name)
-        result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
+        result = self._begin_result(depsgraph, width, height)
         if result is None:
             return
         if picture.size != (width, height):
@@ -203,6 +205,13 @@ class LodestarEngine(bpy.types.RenderEngine):
                 data = np.where(np.isfinite(data), data, FAR)
             known[each.name].rect.foreach_set(np.ascontiguousarray(data[::-1]).ravel())
         self.end_result(result)
+
+    def _begin_result(self, depsgraph: Any, width: int, height: int) -> Optional[Any]:
+        """Result with all passes, which are black."""
+        layer = depsgraph.view_layer.name
+        for each in self._passes(depsgraph.scene):
+            self.add_pass(each.name, len(each.ids), each.ids, layer=layer)
+        return self.begin_result(0, 0, width, height, layer=layer)
 
 
 def _combined(settings: Any, picture: exr.Picture) -> list[str]:

