@@ -129,6 +129,8 @@ class Edits:
     def _edit_world(self) -> None:
         scene = bpy.context.scene
         scene.world = scene.world or bpy.data.worlds.new("world")
+        if scene.world.node_tree is None:
+            scene.world.use_nodes = True
         scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = float(self._chance.random())
 
     def _edit_mesh(self) -> None:
