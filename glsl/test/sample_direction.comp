@@ -35,6 +35,8 @@ void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= push.count) return;
     SurfaceInput i = surface_inputs[0];
+    i.bsdf.sheen_lobe = NO_SHEEN_LOBE;
+    cover_by_sheen(i.bsdf, i.wo);
     Scatterer x = Scatterer(i.bsdf, basis_from_normal(i.normal), i.wo, vec3(0.0, 0.0, 1.0), false, 0u);
     Guide guide = guide_at(x);
     RandomKey key = random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed);

@@ -29,6 +29,8 @@ float density(Bsdf b, vec3 wo, vec3 wi) {
 
 void main() {
     ScatteringInput i = scattering_inputs[gl_GlobalInvocationID.x];
+    i.bsdf.sheen_lobe = NO_SHEEN_LOBE;
+    cover_by_sheen(i.bsdf, i.wo);
     BsdfSample s = sample_bsdf(i.bsdf, i.wo, i.u);
     ScatteringOutput o = ScatteringOutput(s.wi, s.lobe, s.weight, s.eta, density(i.bsdf, i.wo, i.wi), vec3(0.0));
     o.value = eval_bsdf(i.bsdf, i.wo, i.wi);

@@ -108,6 +108,7 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         | bit(flags & constants::MATERIAL_SMOOTH_BASE != 0, constants::FEATURE_SMOOTH_BASE)
         | bit(flags & constants::MATERIAL_WEIGHTED_BASE != 0, constants::FEATURE_WEIGHTED_BASE)
         | bit(flags & constants::MATERIAL_ENERGY_PRESERVING != 0, constants::FEATURE_ENERGY_PRESERVING)
+        | bit(surface.sheen.is_some(), constants::FEATURE_SHEEN)
 }
 
 /// Record that starts empty and takes parameters one by one.
@@ -196,6 +197,13 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
         writer.record.optical_thickness = coating.optical_thickness.into();
         writer.record.coating_eta = coating.eta;
         writer.record.coating_specular = coating.specular_reflectance.into();
+    }
+    if let Some(sheen) = surface.sheen {
+        writer.flag(constants::MATERIAL_SHEEN, true);
+        writer.record.optical_thickness = sheen.reflectance.value.into();
+        writer.link(constants::PARAMETER_SHEEN_REFLECTANCE, sheen.reflectance.texture);
+        writer.record.coating_eta = sheen.roughness.value;
+        writer.link(constants::PARAMETER_SHEEN_ROUGHNESS, sheen.roughness.texture);
     }
     writer.record
 }

@@ -10,6 +10,7 @@ pub mod media;
 pub mod plastic_layer;
 pub(crate) mod plastics;
 pub mod query_geometry;
+pub mod sheen;
 pub mod surfaces;
 pub mod textures;
 pub(crate) mod volumes;

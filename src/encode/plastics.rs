@@ -1,5 +1,5 @@
 //! Completion of the records of materials with a specular and a diffuse lobe: how often each is sampled, and plastics'
-//! constants and tables of words.
+//! constants; and tables of words of plastics and sheens.
 
 use std::collections::HashMap;
 
@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::materials::scalar_mut;
 use crate::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
+use crate::encode::sheen;
 use crate::generated::constants::{
     FACETS_ALPHA_V, PHONG_SPECULAR_SAMPLING, PLASTIC_INTERNAL_REFLECTANCE, PLASTIC_SPECULAR_SAMPLING,
     ROUGH_PLASTIC_TABLE, WARD_SPECULAR_SAMPLING,
@@ -16,7 +17,7 @@ use crate::math::microfacet::Microfacets;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
 use crate::scene::{Scene, Textured};
 
-/// Completes the records of a scene's materials. Returns the words of plastics' tables, whose addresses start at 0.
+/// Completes the records of a scene's materials. Returns the words of the tables, whose addresses start at 0.
 pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32> {
     let mut tables = Tables::default();
     for (material, record) in scene.materials.iter().zip(records) {
@@ -27,6 +28,9 @@ pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32
 
 fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialRecord, tables: &mut Tables) {
     let MaterialKind::Surface(surface) = &material.kind else { return };
+    if surface.sheen.is_some() {
+        record.coating_specular[0] = tables.of_sheen() as f32;
+    }
     let mut set = |parameter, value| *scalar_mut(record, parameter) = value;
     match &surface.bsdf {
         Bsdf::Plastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
@@ -56,10 +60,11 @@ fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialReco
     }
 }
 
-/// Tables made so far; equal layers share one.
+/// Tables made so far; equal layers share one, and so do all sheens.
 #[derive(Default)]
 struct Tables {
     words: Vec<u32>,
+    sheen: Option<u32>,
     known: HashMap<(bool, u32, u32), Table>,
 }
 
@@ -80,6 +85,16 @@ impl Tables {
             Table { address, internal_reflectance: layer.internal_reflectance as f32 }
         };
         *self.known.entry((is_ggx, alpha.to_bits(), eta.to_bits())).or_insert_with(add)
+    }
+
+    /// Address of the table of sheens.
+    fn of_sheen(&mut self) -> u32 {
+        let words = &mut self.words;
+        *self.sheen.get_or_insert_with(|| {
+            let address = words.len() as u32;
+            words.extend(sheen::words());
+            address
+        })
     }
 }
 

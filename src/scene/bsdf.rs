@@ -59,19 +59,24 @@ pub struct SurfaceMaterial {
     pub relief_outside: bool,
     /// `coating`.
     pub coating: Option<Coating>,
+    /// `sheen`, on a surface without a `coating`.
+    pub sheen: Option<Sheen>,
 }
 
 impl SurfaceMaterial {
     /// Surface of the scattering function alone: one-sided, opaque, flat, not coated.
     pub fn plain(bsdf: Bsdf) -> Self {
         let opacity = Textured::constant(1.0);
-        Self { bsdf, two_sided: false, opacity, relief: None, relief_outside: false, coating: None }
+        Self { bsdf, two_sided: false, opacity, relief: None, relief_outside: false, coating: None, sheen: None }
     }
 
-    /// Textures of the scattering function's parameters and of the opacity.
+    /// Textures of the scattering function's parameters, of the sheen and of the opacity.
     pub(super) fn parameter_textures_mut(&mut self) -> Vec<&mut u32> {
         let mut all = self.bsdf.textures_mut();
         all.push(&mut self.opacity.texture);
+        if let Some(sheen) = &mut self.sheen {
+            all.extend([&mut sheen.reflectance.texture, &mut sheen.roughness.texture]);
+        }
         all.into_iter().flatten().collect()
     }
 
@@ -79,6 +84,9 @@ impl SurfaceMaterial {
     pub(super) fn textures_mut(&mut self) -> Vec<&mut u32> {
         let mut all = self.bsdf.textures_mut();
         all.push(&mut self.opacity.texture);
+        if let Some(sheen) = &mut self.sheen {
+            all.extend([&mut sheen.reflectance.texture, &mut sheen.roughness.texture]);
+        }
         let relief = self.relief.as_mut().map(|relief| match relief {
             Relief::Bump { texture, .. } | Relief::NormalMap { texture } => texture,
         });
@@ -112,6 +120,15 @@ pub struct Coating {
     pub optical_thickness: Vec3,
     /// Factor of the light that the layer's surface reflects.
     pub specular_reflectance: Vec3,
+}
+
+/// `sheen`: a layer of microfibers over a scattering function (Zeltner, Burley and Chiang 2022).
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Sheen {
+    /// Factor of the light that the fibers reflect, each channel in [0, 1].
+    pub reflectance: Textured<Vec3>,
+    /// Roughness, in [0, 1].
+    pub roughness: Textured<f32>,
 }
 
 /// Distributions of microfacet normals.
@@ -222,6 +239,10 @@ kinds! {
             weighted_base: bool => MATERIAL_WEIGHTED_BASE,
             /// Factor of the base's albedo, in [0, 1]; it counts with a weighted base only.
             base_weight: Textured<f32> => PLASTIC_BASE_WEIGHT,
+            /// Whether the weighted base is rough, as an energy-preserving `roughdiffuse`.
+            rough_base: bool => MATERIAL_ENERGY_PRESERVING,
+            /// Roughness of a rough base, in [0, 1].
+            base_roughness: Textured<f32> => PLASTIC_BASE_ROUGHNESS,
         };
         /// Rough dielectric layer over a diffuse base.
         RoughPlastic = "roughplastic", BSDF_ROUGH_PLASTIC {
@@ -253,6 +274,10 @@ kinds! {
             weighted_base: bool => MATERIAL_WEIGHTED_BASE,
             /// Factor of the base's albedo, in [0, 1]; it counts with a weighted base only.
             base_weight: Textured<f32> => PLASTIC_BASE_WEIGHT,
+            /// Whether the weighted base is rough, as an energy-preserving `roughdiffuse`.
+            rough_base: bool => MATERIAL_ENERGY_PRESERVING,
+            /// Roughness of a rough base, in [0, 1].
+            base_roughness: Textured<f32> => PLASTIC_BASE_ROUGHNESS,
         };
         /// Principled BSDF (Burley 2012, 2015) as in Mitsuba; every parameter but `eta` lies in [0, 1].
         Principled(principled: Principled) = "principled", BSDF_PRINCIPLED | MATERIAL_GGX;

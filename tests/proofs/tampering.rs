@@ -64,6 +64,7 @@ const FAULTS: &[Fault] = &[
     kernels("a smooth metal guided as a rough one in the density", DIRECTIONS, MIX),
     kernels("bright samples with a smaller weight", PICTURES, OWN_CELLS),
     kernels("lobe counted whole", DIRECTIONS, MIX),
+    kernels("a sheen that gains energy", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),
     kernels("lost carry", SUMS, MIX),

@@ -3,8 +3,8 @@
 
 use glam::{DVec3, dvec3};
 use lodestar::generated::kernels::{
-    BSDF_WARD, FEATURE_BECKMANN, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE, MATERIAL_WEIGHTED_BASE, Variant,
-    WARD_BALANCED,
+    BSDF_WARD, FEATURE_BECKMANN, FEATURE_ENERGY_PRESERVING, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE,
+    MATERIAL_ENERGY_PRESERVING, MATERIAL_WEIGHTED_BASE, Variant, WARD_BALANCED,
 };
 use lodestar::math::microfacet::Microfacets;
 use support::statistics::Numbers;
@@ -59,6 +59,7 @@ fn substance(row: &Row) -> Substance {
                 specular_reflectance,
                 facets,
                 base_weight,
+                base_roughness: 0.0,
             })
         }
         kind => panic!("no plugin {kind}"),
@@ -275,9 +276,10 @@ fn is_sound(i: &ScatteringInput, o: &ScatteringOutput) -> bool {
     let positive = o.weight.iter().chain(&o.value).chain([&o.pdf]).all(|&x| x >= 0.0);
     let unit = o.lobe == LOBE_NONE || (d3(o.wi).length() - 1.0).abs() < 1.0e-3;
     // A plastic may sample one of its two lobes less often than its brightness asks for. For other kinds, a weight
-    // above 1 is rounding of narrow lobes. Ward's unbalanced models have no bound at grazing incidence.
+    // above 1 is rounding of narrow lobes. Ward's unbalanced models and rough bases have no bound at grazing incidence.
     let is_plastic = i.bsdf.scalars[5] > 0.0;
-    let is_unbounded = i.bsdf.kind_and_flags == BSDF_WARD && i.bsdf.scalars[4] != WARD_BALANCED;
+    let is_unbalanced = i.bsdf.kind_and_flags == BSDF_WARD && i.bsdf.scalars[4] != WARD_BALANCED;
+    let is_unbounded = is_unbalanced || i.bsdf.kind_and_flags & MATERIAL_ENERGY_PRESERVING != 0;
     let weight = o.weight[0] * o.eta * o.eta;
     let energy = o.lobe == LOBE_NONE || is_unbounded || weight < if is_plastic { 2.0 } else { 1.2 };
     finite && positive && unit && energy
@@ -392,12 +394,14 @@ fn kinds_are_the_same_alone() {
     for (name, substance) in substances().iter().step_by(3) {
         let is_beckmann = substance.facets().is_some_and(|facets| !facets.is_ggx);
         let has_smooth_base = matches!(substance, Substance::PolarizedPlastic(_));
+        let has_rough_base = substance.device().kind_and_flags & MATERIAL_ENERGY_PRESERVING != 0;
         let has_weighted_base = substance.device().kind_and_flags & MATERIAL_WEIGHTED_BASE != 0;
         let alone = Bench::with(&Variant {
             material_kinds: 1 << (substance.device().kind_and_flags & 0xff),
             surface_features: if is_beckmann { FEATURE_BECKMANN } else { 0 }
                 | if has_smooth_base { FEATURE_SMOOTH_BASE } else { 0 }
-                | if has_weighted_base { FEATURE_WEIGHTED_BASE } else { 0 },
+                | if has_weighted_base { FEATURE_WEIGHTED_BASE } else { 0 }
+                | if has_rough_base { FEATURE_ENERGY_PRESERVING } else { 0 },
             ..Variant::default()
         });
         let mut one = || {

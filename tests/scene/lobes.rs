@@ -107,6 +107,8 @@ fn polarized_plastic() {
         specular_reflectance: gray(1.0),
         weighted_base: false,
         base_weight: number(1.0),
+        rough_base: false,
+        base_roughness: number(0.0),
     };
     assert_eq!(bsdf("pplastic", ""), expected(Distribution::Beckmann, 0.1, 0.1));
     let given = r#"<string name="distribution" value="ggx"/><float name="alpha_u" value="0.3"/>

@@ -1,7 +1,7 @@
 //! One small file per BSDF plugin, and the effect of every parameter.
 
 use glam::Vec3;
-use lodestar::scene::bsdf::{Coating, Distribution, Microfacets, Principled, Relief};
+use lodestar::scene::bsdf::{Coating, Distribution, Microfacets, Principled, Relief, Sheen};
 use lodestar::scene::{Bsdf, Material, MaterialKind, Scene, SurfaceMaterial, Textured};
 
 use super::{Folder, load_body, with_sensor};
@@ -160,11 +160,19 @@ fn plastics() {
         nonlinear: true,
         weighted_base: false,
         base_weight: number(1.0),
+        rough_base: false,
+        base_roughness: number(0.0),
     };
     assert_eq!(smooth, expected);
     let weighted = bsdf("plastic", r#"<float name="base_weight" value="0.25"/>"#);
     let Bsdf::Plastic { weighted_base: true, base_weight, .. } = weighted else { panic!("{weighted:?}") };
     assert_eq!(base_weight, number(0.25));
+    let rough =
+        bsdf("plastic", r#"<float name="base_weight" value="0.25"/><float name="base_roughness" value="0.5"/>"#);
+    let Bsdf::Plastic { rough_base: true, base_roughness, .. } = rough else { panic!("{rough:?}") };
+    assert_eq!(base_roughness, number(0.5));
+    let alone = r#"<bsdf type="pplastic"><float name="base_roughness" value="0.5"/></bsdf>"#;
+    refuse(alone, &["`base_roughness` needs `base_weight`"]);
     let both =
         r#"<bsdf type="plastic"><boolean name="nonlinear" value="true"/><float name="base_weight" value="1"/></bsdf>"#;
     refuse(both, &["`nonlinear` or `base_weight`, not both"]);
@@ -321,6 +329,38 @@ fn coatings() {
     refuse(r#"<bsdf type="coating"><bsdf type="dielectric"/></bsdf>"#, &["transmits light"]);
 }
 
+#[test]
+fn sheens() {
+    let given = r#"<rgb name="reflectance" value="0.1, 0.2, 0.3"/><float name="roughness" value="0.7"/>"#;
+    let over = surface(&format!(r#"<bsdf type="twosided"><bsdf type="sheen">{given}{RED}</bsdf></bsdf>"#));
+    let reflectance = Textured::constant(Vec3::new(0.1, 0.2, 0.3));
+    assert_eq!(over.sheen, Some(Sheen { reflectance, roughness: number(0.7) }));
+    assert!(over.two_sided && over.bsdf == surface(RED).bsdf);
+    let outside = surface(&format!(r#"<bsdf type="sheen">{given}<bsdf type="twosided">{RED}</bsdf></bsdf>"#));
+    assert_eq!(outside, over);
+    // Below the sheen alone nothing scatters.
+    let alone = surface(r#"<bsdf type="sheen"/>"#);
+    assert_eq!(alone.sheen, Some(Sheen { reflectance: gray(1.0), roughness: number(0.5) }));
+    assert_eq!(alone.bsdf, Bsdf::Diffuse { reflectance: gray(0.0) });
+    // Every part of a choice has it.
+    let parts = format!(
+        r#"<bsdf type="sheen"><bsdf type="blendbsdf"><float name="weight" value="0.5"/>{RED}<bsdf type="dielectric"/></bsdf></bsdf>"#
+    );
+    let scene = scene(&parts);
+    let is_covered = |material: &Material| matches!(&material.kind, MaterialKind::Surface(s) if s.sheen.is_some());
+    assert_eq!(scene.materials.iter().filter(|material| is_covered(material)).count(), 2);
+    for (inside, part) in [
+        (r#"<bsdf type="null"/>"#, "lets light go straight on"),
+        (r#"<bsdf type="thindielectric"/>"#, "lets light go straight on"),
+        (r#"<bsdf type="mask"><float name="opacity" value="0.5"/><bsdf type="diffuse"/></bsdf>"#, "straight on"),
+        (r#"<bsdf type="coating"><bsdf type="diffuse"/></bsdf>"#, "around a `coating`"),
+        (r#"<bsdf type="sheen"/>"#, "another `sheen`"),
+    ] {
+        refuse(&format!(r#"<bsdf type="sheen">{inside}</bsdf>"#), &[part]);
+    }
+    refuse(r#"<bsdf type="coating"><bsdf type="sheen"/></bsdf>"#, &["around a `sheen`"]);
+}
+
 /// A `difftrans` is a thin sheet whose light all crosses. A `twosided` of two BSDFs may have parts that transmit light.
 #[test]
 fn light_passes_diffusely() {
@@ -402,6 +442,7 @@ fn every_unknown_parameter_is_named_once() {
         ("mask", RED),
         ("twosided", RED),
         ("coating", RED),
+        ("sheen", RED),
         ("null", ""),
         ("mixturebsdf", r#"<string name="weights" value="0.5, 0.5"/><bsdf type="diffuse"/><bsdf type="diffuse"/>"#),
         ("blendbsdf", r#"<float name="weight" value="0.5"/><bsdf type="diffuse"/><bsdf type="diffuse"/>"#),

@@ -154,9 +154,13 @@ def _radiance(emission: Emission, images: Images) -> Optional[xml.Element]:
     return xml.add(element, "radiance", images.element(emission) if isinstance(emission, Texture) else emission)
 
 
-def diffuse(images: Images, color: Union[Color, Texture]) -> xml.Element:
-    """Lambertian surface, alike from both sides."""
-    return two_sided(parameter(images, xml.plugin("bsdf", "diffuse"), "reflectance", color))
+def diffuse(images: Images, color: Union[Color, Texture], roughness: Union[float, Texture] = 0.0) -> xml.Element:
+    """Lambertian surface, or a rough diffuse one, alike from both sides."""
+    if roughness == 0.0:
+        return two_sided(parameter(images, xml.plugin("bsdf", "diffuse"), "reflectance", color))
+    rough = parameter(images, xml.plugin("bsdf", "roughdiffuse"), "reflectance", color)
+    parameter(images, rough, "alpha", roughness)
+    return two_sided(xml.add(rough, "energy_preserving", True))
 
 
 def parameter(images: Images, element: xml.Element, name: str, value: Union[float, Color, Texture]) -> xml.Element:
@@ -192,6 +196,7 @@ class _Translator:
             "DIFFUSE_BSDF": self._diffuse,  # its name in Blender 4.4
             "BSDF_GLOSSY": self._glossy,
             "BSDF_METALLIC": self._metallic,
+            "BSDF_SHEEN": self._sheen,
             "BSDF_GLASS": self._glass,
             "BSDF_REFRACTION": self._refraction,
             "BSDF_TRANSPARENT": self._transparent,
@@ -292,14 +297,18 @@ class _Translator:
 
         color = self.reader.color(node.inputs["Color"], groups)
         roughness = self.reader.scalar(node.inputs["Roughness"], groups)
-        bsdf = diffuse(self.images, color)
-        if isinstance(roughness, Texture) or roughness > 0.0:
-            if bpy.app.version < (4, 3, 0):
-                self.reader.warn("a rough diffuse surface is that of Blender 4.3 and later")
-            rough = parameter(self.images, xml.plugin("bsdf", "roughdiffuse"), "reflectance", color)
-            parameter(self.images, rough, "alpha", roughness if isinstance(roughness, Texture) else min(roughness, 1.0))
-            bsdf = two_sided(xml.add(rough, "energy_preserving", True))
-        return Closure(self.relief(bsdf, node, groups))
+        if not isinstance(roughness, Texture):
+            roughness = min(max(roughness, 0.0), 1.0)
+        if roughness != 0.0 and bpy.app.version < (4, 3, 0):
+            self.reader.warn("a rough diffuse surface is that of Blender 4.3 and later")
+        return Closure(self.relief(diffuse(self.images, color, roughness), node, groups))
+
+    def _sheen(self, node: Any, groups: Groups) -> Closure:
+        if node.distribution != "MICROFIBER":
+            self.reader.warn("the sheen of Ashikhmin is not supported; that of microfibers is used")
+        color = self.reader.color(node.inputs["Color"], groups)
+        element = principled.sheen(self.images, color, self.reader.scalar(node.inputs["Roughness"], groups), None)
+        return Closure(self.relief(two_sided(element), node, groups))
 
     def _facets(self, plugin: str, smooth: str, node: Any, groups: Groups) -> xml.Element:
         """Plugin with facets, or the smooth plugin where the roughness is 0."""

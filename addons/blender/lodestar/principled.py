@@ -1,7 +1,7 @@
 """Principled BSDF as layers: metal over glass over a dielectric with a diffuse base, under a coat; and relief.
 
-A dielectric is a `plastic` or `pplastic` with a weight of its base. With sheen, with anisotropy, and where programs would exceed a limit, it is
-Mitsuba's `principled`, of which the base color is dimmed by the mean reflectance, or without roughness a plain `plastic`.
+A dielectric is a `plastic` or `pplastic` with a weight of its base. With anisotropy, and where programs would exceed a limit, it is Mitsuba's
+`principled`, of which the base color is dimmed by the mean reflectance, or without roughness a plain `plastic`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,12 @@ def default(images: Images) -> xml.Element:
 
 
 def weighted(
-    images: Images, base: Union[Color, Texture], alpha: Union[float, Texture], ior: float, layer: tuple[Expression, Expression, float]
+    images: Images,
+    base: Union[Color, Texture],
+    alpha: Union[float, Texture],
+    ior: float,
+    layer: tuple[Expression, Expression, float],
+    base_roughness: Union[float, Texture] = 0.0,
 ) -> xml.Element:
     """Dielectric over a diffuse base with a weight."""
     from . import materials
@@ -51,6 +56,8 @@ def weighted(
     element = layers.plastic(images.element(alpha) if isinstance(alpha, Texture) else alpha, ior)
     materials.parameter(images, element, "specular_reflectance", Texture(program=factor, factor=(most,) * 3))
     materials.parameter(images, element, "diffuse_reflectance", base)
+    if base_roughness != 0.0:
+        materials.parameter(images, element, "base_roughness", base_roughness)
     return materials.two_sided(materials.parameter(images, element, "base_weight", Texture(program=weight)))
 
 
@@ -114,7 +121,7 @@ class _Principled:
         self.transmission = self._scalar("Transmission Weight")
         self.ior = self._constant("IOR")
         self.anisotropic = self._constant("Anisotropic")
-        self.sheen = self._scalar("Sheen Weight")
+        self.diffuse_roughness = self._diffuse_roughness()
         self.subsurface = self._scalar("Subsurface Weight")
         self.tint: Color = self._constant_color("Specular Tint")
         self.medium = self._medium() if has_subsurface else None
@@ -125,6 +132,11 @@ class _Principled:
     def _scalar(self, name: str) -> Union[float, Texture]:
         value = self.reader.scalar(self.node.inputs[name], self.groups)
         return value if isinstance(value, Texture) else max(value, 0.0)
+
+    def _diffuse_roughness(self) -> Union[float, Texture]:
+        """Roughness of the diffuse base, which Blender 4.2 does not have."""
+        roughness = self._scalar("Diffuse Roughness") if "Diffuse Roughness" in self.node.inputs else 0.0
+        return roughness if isinstance(roughness, Texture) else min(roughness, 1.0)
 
     def _constant(self, name: str) -> float:
         return self.reader.constant(self.node.inputs[name], self.groups)
@@ -169,17 +181,15 @@ class _Principled:
         return materials.parameter(self.images, element, "specular_transmittance", tint)
 
     def _report(self) -> None:
-        for name in ("Thin Film Thickness", "Diffuse Roughness"):
-            if name in self.node.inputs and self._scalar(name) != 0.0:
-                self.reader.warn(f"{name} is not supported; 0 is used")
+        name = "Thin Film Thickness"
+        if name in self.node.inputs and self._scalar(name) != 0.0:
+            self.reader.warn(f"{name} is not supported; 0 is used")
         if self.tint != WHITE and (self.transmission != 0.0 or self.medium is not None) and self.metallic != 1.0:
             self.reader.warn("Specular Tint of a surface that transmits light is not supported; white is used there")
         if self.tint != WHITE and (self.anisotropic != 0.0 or self.metallic != 1.0 and not self._is_even()):
-            self.reader.warn("Specular Tint with a texture of roughness, an anisotropic surface or sheen is not supported; white is used")
+            self.reader.warn("Specular Tint with a texture of roughness or an anisotropic surface is not supported; white is used")
         if self.anisotropic != 0.0:
             self.reader.warn("an anisotropic surface has its grain along the UV map")
-        if self.sheen != 0.0:
-            self.reader.warn("sheen is Disney's of 2012, which differs from Cycles'")
 
     def bsdf(self) -> xml.Element:
         from . import materials
@@ -188,7 +198,7 @@ class _Principled:
         surface = self._below_metal() if self.metallic != 1.0 else self._metal()
         if self.metallic not in (0.0, 1.0):
             surface = materials.blend(images, self.metallic, surface, self._metal())
-        surface = relief(self.reader, self._coated(surface), self.node.inputs["Normal"], self.groups)
+        surface = relief(self.reader, self._with_sheen(self._coated(surface)), self.node.inputs["Normal"], self.groups)
         alpha = self._scalar("Alpha")
         if isinstance(alpha, Texture) or alpha < 1.0:
             mask = materials.parameter(images, xml.plugin("bsdf", "mask"), "opacity", alpha)
@@ -212,24 +222,26 @@ class _Principled:
         level = self._constant("Specular IOR Level")
         ior = units.specular_index(self.ior, level)
         base = self._below_coat(self.base)
-        if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
-            return materials.diffuse(self.images, base)
+        if abs(ior - 1.0) < 1e-3:
+            return materials.diffuse(self.images, base, self.diffuse_roughness)
         weighted = self._weighted(base, ior)
         if weighted is not None:
             return weighted
         if self._is_even() and self.tint != WHITE:
             self.reader.warn("Specular Tint under a long program is not supported; white is used")
+        if self.diffuse_roughness != 0.0:
+            self.reader.warn("Diffuse Roughness of an anisotropic surface or under a long program is not supported; 0 is used")
         if not self._is_even() or self.roughness >= SMOOTH:
             return self._disney(0.0, ior)
         return materials.two_sided(materials.parameter(self.images, layers.plastic(0.0, ior), "diffuse_reflectance", base))
 
     def _is_even(self) -> bool:
-        """Whether the surface has one roughness, and no sheen."""
-        return not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
+        """Whether the surface has one roughness."""
+        return not isinstance(self.roughness, Texture) and self.anisotropic == 0.0
 
     def _weighted(self, base: Union[Color, Texture], ior: float) -> Optional[xml.Element]:
         """Dielectric over a diffuse base with a weight; None where it cannot be rendered."""
-        if self.anisotropic != 0.0 or self.sheen != 0.0:
+        if self.anisotropic != 0.0:
             return None
         is_whole = self.node.distribution == "MULTI_GGX"
         if isinstance(self.roughness, Texture):
@@ -246,7 +258,7 @@ class _Principled:
             factor = factor * self.passing
         if excess(weight) is not None or excess(factor) is not None:
             return None
-        return weighted(self.images, base, alpha, ior, (weight, factor, most))
+        return weighted(self.images, base, alpha, ior, (weight, factor, most), self.diffuse_roughness)
 
     def _metal(self) -> xml.Element:
         from . import materials
@@ -272,8 +284,6 @@ class _Principled:
         element = _disney(self.images, self._below_coat(base), self.roughness, metallic, ior)
         if self.anisotropic != 0.0:
             xml.add(element, "anisotropic", min(self.anisotropic, 1.0))
-        if self.sheen != 0.0 and metallic == 0.0:
-            materials.parameter(self.images, element, "sheen", self.sheen)
         return materials.two_sided(element)
 
     def _glass(self) -> xml.Element:
@@ -300,6 +310,38 @@ class _Principled:
             alpha = rough.with_operation("square") if isinstance(rough, Texture) else rough**2
             materials.parameter(self.images, element, "alpha", alpha)
         return xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
+
+    # ----------------------------------------------------------------------------------------------------------- sheen
+
+    def _with_sheen(self, surface: xml.Element) -> xml.Element:
+        """Surface under its sheen of microfibers."""
+        color = self._sheen_color()
+        if color == (0.0, 0.0, 0.0):
+            return surface
+        if any(part.get("type") == "thindielectric" for part in surface.iter("bsdf")):
+            self.reader.warn("sheen over glass whose index is 1 is not supported; it is left out")
+            return surface
+        roughness = self._scalar("Sheen Roughness")
+        return sheen(self.images, color, roughness, surface)
+
+    def _sheen_color(self) -> Union[Color, Texture]:
+        """Tint of the sheen times its weight."""
+        weight = self._scalar("Sheen Weight")
+        if weight == 0.0:
+            return (0.0, 0.0, 0.0)
+        tint = self.reader.color(self.node.inputs["Sheen Tint"], self.groups)
+        if not isinstance(weight, Texture):
+            share = min(weight, 1.0)
+            return tint.scaled((share,) * 3) if isinstance(tint, Texture) else (share * tint[0], share * tint[1], share * tint[2])
+        programs = _program(self.reader, weight), _program(self.reader, tint)
+        if programs[0] is None or programs[1] is None:
+            self.reader.warn("a Sheen Weight that is an attribute, or over a tint that is one, is not supported; the sheen is left out")
+            return (0.0, 0.0, 0.0)
+        color = programs[0].graph.of("luminance", value=programs[0]) * programs[1]
+        if excess(color) is not None:
+            self.reader.warn("a sheen that needs a long program is not supported; it is left out")
+            return (0.0, 0.0, 0.0)
+        return Texture(program=color)
 
     # ------------------------------------------------------------------------------------------------------------ coat
 
@@ -368,6 +410,18 @@ class _Principled:
             factor = layers.coat_factor(graph, alpha, index)
             materials.parameter(self.images, upper, "specular_reflectance", Texture(program=factor))
         return materials.blend(self.images, Texture(program=weight * albedo), surface, materials.two_sided(upper))
+
+
+def sheen(images: Images, color: Union[Color, Texture], roughness: Union[float, Texture], surface: Optional[xml.Element]) -> xml.Element:
+    """Sheen of microfibers over a surface, or over nothing."""
+    from . import materials
+
+    if not isinstance(color, Texture):
+        red, green, blue = (min(max(channel, 0.0), 1.0) for channel in color)
+        color = (red, green, blue)
+    element = materials.parameter(images, xml.plugin("bsdf", "sheen"), "reflectance", color)
+    materials.parameter(images, element, "roughness", roughness if isinstance(roughness, Texture) else min(max(roughness, 0.0), 1.0))
+    return element if surface is None else xml.with_children(element, surface)
 
 
 def relief(reader: Reader, bsdf: xml.Element, socket: Any, groups: Groups) -> xml.Element:

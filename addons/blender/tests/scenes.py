@@ -68,7 +68,7 @@ def shader(tree: Any, kind: str, **inputs: Any) -> Any:
             tree.links.new(value, socket)
         else:
             socket.default_value = (*value, 1.0) if socket.type == "RGBA" and len(value) == 3 else value
-    if hasattr(node, "distribution") and kind != "ShaderNodeBsdfHair":
+    if hasattr(node, "distribution") and kind not in ("ShaderNodeBsdfHair", "ShaderNodeBsdfSheen"):
         # Cycles' default adds light that single reflections lose. Lodestar does not.
         node.distribution = "GGX"
     return node

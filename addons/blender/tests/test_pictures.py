@@ -127,6 +127,10 @@ LAYERS = {
     "dielectric": dict(Base_Color=(0.8, 0.8, 0.8), Roughness=0.5, IOR=1.45),
     "dull dielectric": dict(Base_Color=(0.8, 0.8, 0.8), Roughness=1.0, IOR=1.8),
     "dielectric of all reflections": dict(Base_Color=(0.8, 0.8, 0.8), Roughness=0.8, IOR=1.8, distribution="MULTI_GGX"),
+    "sheen over a coat": dict(
+        Base_Color=(0.7, 0.2, 0.1), Roughness=0.7, Coat_Weight=1.0, Coat_Roughness=0.2, Sheen_Weight=0.8, Sheen_Roughness=0.5
+    ),
+    "sheen over glass": dict(Base_Color=(0.9, 0.9, 0.9), Transmission_Weight=0.5, Roughness=0.3, Sheen_Weight=1.0, Sheen_Roughness=0.5),
     "dielectric of a level": dict(Base_Color=(0.8, 0.8, 0.8), Roughness=0.4, IOR=1.5, Specular_IOR_Level=1.0),
 }
 
@@ -165,6 +169,57 @@ def test_principled_layers(name: str) -> None:
     found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
     print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
     assert found < 0.03 and abs(ratio - 1.0) < 0.01
+
+
+# Sockets of a Sheen node, and of a Principled one with sheen.
+SHEENS = {
+    "smooth fibers": dict(Color=(0.9, 0.9, 0.9), Roughness=0.2),
+    "fibers": dict(Color=(0.9, 0.5, 0.3), Roughness=0.5),
+    "rough fibers": dict(Color=(0.9, 0.9, 0.9), Roughness=1.0),
+    "sheen": dict(Base_Color=(0.6, 0.1, 0.1), Roughness=0.6, Sheen_Weight=1.0, Sheen_Roughness=0.3),
+    "rough sheen": dict(Base_Color=(0.1, 0.3, 0.7), Roughness=0.4, Sheen_Weight=0.7, Sheen_Roughness=0.9, Sheen_Tint=(1.0, 0.6, 0.2)),
+    "sheen over metal": dict(Base_Color=(0.8, 0.6, 0.3), Metallic=1.0, Roughness=0.4, Sheen_Weight=1.0, Sheen_Roughness=0.6),
+}
+
+
+@pytest.mark.parametrize("name", SHEENS)
+def test_sheen_under_a_lamp(name: str) -> None:
+    """A ball with a sheen under a lamp and a dim sky has the brightness that it has in Cycles, to 2 % of a block and 0.7 % of the mean."""
+    sockets = SHEENS[name]
+    kind = "ShaderNodeBsdfPrincipled" if "Sheen_Weight" in sockets else "ShaderNodeBsdfSheen"
+    pictures = []
+    for engine in ("CYCLES", "LODESTAR"):
+        scene = scenes.empty()
+        scene.render.resolution_percentage = 50
+        scenes.camera(scene, (0, -4, 1.2), (0, 0, 0.0), type="ORTHO", ortho_scale=1.3)
+        scenes.world(scene, (0.2, 0.2, 0.2))
+        scenes.lamp(scene, "AREA", (-2.0, 1.0, 2.5), (0.6, -0.9, 0.0), energy=150.0, size=1.5)
+        scenes.ball(scene, "ball", 0.6, scenes.simple(name, kind, **sockets))
+        pictures.append(support.colors(support.render(scene, engine, 256, "sheen")))
+    theirs, ours = pictures
+    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
+    print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < 0.02 and abs(ratio - 1.0) < 0.007
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 3, 0), reason="Blender 4.2 has no Diffuse Roughness")
+@pytest.mark.parametrize("roughness,level", [(0.3, 0.5), (1.0, 0.5), (1.0, 0.0)])
+def test_a_rough_base_under_a_lamp(roughness: float, level: float) -> None:
+    """Diffuse Roughness of a Principled ball under a lamp is that of Cycles, to 2 % of a block and 0.7 % of the mean."""
+    pictures = []
+    for engine in ("CYCLES", "LODESTAR"):
+        scene = scenes.empty()
+        scene.render.resolution_percentage = 50
+        scenes.camera(scene, (0, -4, 0.0), (0, 0, 0.0), type="ORTHO", ortho_scale=1.3)
+        scenes.world(scene, (0.1, 0.1, 0.1))
+        scenes.lamp(scene, "SUN", (0.0, -4.0, 2.0), (1.3, 0.0, 0.3), energy=3.0, angle=0.0)
+        sockets = dict(Base_Color=(0.8, 0.5, 0.3), Roughness=0.5, Diffuse_Roughness=roughness, Specular_IOR_Level=level)
+        scenes.ball(scene, "ball", 0.6, scenes.simple("chalk", "ShaderNodeBsdfPrincipled", **sockets))
+        pictures.append(support.colors(support.render(scene, engine, 128, "chalk")))
+    theirs, ours = pictures
+    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
+    print(f"roughness {roughness}, level {level}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < 0.02 and abs(ratio - 1.0) < 0.007
 
 
 @pytest.mark.parametrize("roughness", [0.2, 0.5, 1.0])

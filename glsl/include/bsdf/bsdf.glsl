@@ -1,4 +1,4 @@
-// BSDFs of all kinds, with their coatings. Directions are unit vectors in the local frame. The local z-axis is the shading normal, on
+// BSDFs of all kinds, with their coatings and sheens. Directions are unit vectors in the local frame. The local z-axis is the shading normal, on
 // the side of `wo` where the surface is two-sided. A kind has up to four functions, which generated/bsdfs.glsl calls.
 // sample_bsdf_x draws a direction. pdf_bsdf_x is the density of that direction per steradian. eval_bsdf_x is f times |cos|. Both leave
 // out what is concentrated in single directions. guided_part_bsdf_x is the part of the samples in which a guide has a share.
@@ -8,6 +8,7 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 #include "bsdf/coating.glsl"
+#include "bsdf/sheen.glsl"
 #include "generated/bsdfs.glsl"
 
 const Facet NO_FACET = Facet(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
@@ -39,12 +40,19 @@ vec3 sample_facet(Bsdf b, vec3 wo, vec3 u) {
     return has_facets() ? sample_visible_normal(bsdf_microfacets(b, crosses), wo.z < 0.0 ? -wo : wo, u.xy) : NO_FACET.m;
 }
 
-// Albedo for the albedo layer: share of the light that the surface scatters.
-vec3 bsdf_albedo(Bsdf b) {
-    return b.color0;
+// Whether the BSDF is a plastic whose base has a weight.
+bool is_weighted_plastic(Bsdf b) {
+    return (is_kind(b, BSDF_PLASTIC) || is_kind(b, BSDF_ROUGH_PLASTIC)) && has_weighted_base(plastic_of(b));
 }
 
-// Samples a BSDF without its coating. u.xy draws the direction, u.z selects the lobe.
+// Albedo for the albedo layer: share of the light that the surface scatters.
+vec3 bsdf_albedo(Bsdf b) {
+    vec3 albedo = b.color0;
+    if (is_weighted_plastic(b)) albedo = weighted_base(plastic_of(b));
+    return has_feature(FEATURE_SHEEN) ? b.sheen_lobe.kept * albedo + b.sheen_lobe.albedo : albedo;
+}
+
+// Samples a BSDF without its coating and its sheen. u.xy draws the direction, u.z selects the lobe.
 BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
     return sample_bsdf_of_kind(b, wo, sample_facet(b, wo, u), u);
 }
@@ -70,10 +78,15 @@ CoatedDirection enter_bsdf(Bsdf b, vec3 w) {
 BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
     CoatedDirection entered = enter_bsdf(b, wo);
     float probability = is_coated(b) ? coating_probability(b.coating, entered) : 0.0;
-    bool specular = u.z < probability;
-    u.z = (u.z - (specular ? 0.0 : probability)) / (specular ? probability : 1.0 - probability);
+    if (has_feature(FEATURE_SHEEN)) probability = max(probability, b.sheen_lobe.probability);
+    bool of_layer = u.z < probability;
+    u.z = (u.z - (of_layer ? 0.0 : probability)) / (of_layer ? probability : 1.0 - probability);
     BsdfSample s = sample_uncoated_bsdf(b, entered.inside, u);
-    if (is_coated(b)) s = sample_coating(b.coating, wo, entered, s, probability, specular);
+    if (is_coated(b)) s = sample_coating(b.coating, wo, entered, s, probability, of_layer);
+    if (has_feature(FEATURE_SHEEN) && bsdf_flag(b, MATERIAL_SHEEN)) {
+        s.weight *= b.sheen_lobe.kept / (1.0 - probability);
+        if (of_layer) s = sample_sheen(b.sheen_lobe, u.xy);
+    }
     return s;
 }
 
@@ -83,6 +96,7 @@ float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     if (is_coated(b)) diffuse_density = pdf_cosine_hemisphere(i.inside.z);
     float pdf = pdf_uncoated_bsdf(b, o.inside, i.inside, diffuse_density);
     if (is_coated(b)) pdf *= (1.0 - coating_probability(b.coating, o)) * coating_jacobian(b.coating, wi, i);
+    if (has_feature(FEATURE_SHEEN)) pdf = density_of_choice(pdf, pdf_sheen(b.sheen_lobe, wi), b.sheen_lobe.probability);
     return pdf;
 }
 
@@ -91,6 +105,7 @@ vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     CoatedDirection i = enter_bsdf(b, wi);
     vec3 value = eval_uncoated_bsdf(b, o.inside, i.inside);
     if (is_coated(b)) value *= coating_transmittance(b.coating, o, i) * coating_jacobian(b.coating, wi, i);
+    if (has_feature(FEATURE_SHEEN)) value = b.sheen_lobe.kept * value + pdf_sheen(b.sheen_lobe, wi) * b.sheen_lobe.albedo;
     return value;
 }
 

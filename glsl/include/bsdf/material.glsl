@@ -14,6 +14,11 @@ Coating coating(uint material) {
     return Coating(material_optical_thickness(material), material_coating_eta(material), material_coating_specular(material));
 }
 
+// A sheen takes the place of the coating in the record.
+Sheen sheen(uint material) {
+    return Sheen(material_optical_thickness(material), material_coating_eta(material), material_coating_specular(material).x);
+}
+
 // BSDF with the constants of the record. Textures multiply them later.
 Bsdf untextured_bsdf(uint material) {
     Bsdf b;
@@ -27,6 +32,9 @@ Bsdf untextured_bsdf(uint material) {
     b.scalars2 = any_kind(KINDS_WITH_SCALARS2) ? material_scalars(material, 2u) : vec4(0.0);
     b.coating = NO_COATING;
     if (has_feature(FEATURE_COATING)) b.coating = coating(material);
+    b.sheen = NO_SHEEN;
+    b.sheen_lobe = NO_SHEEN_LOBE;
+    if (has_feature(FEATURE_SHEEN)) b.sheen = sheen(material);
     return b;
 }
 

@@ -12,6 +12,27 @@ struct Coating {
 
 const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
 
+// Sheen of microfibers over a surface.
+struct Sheen {
+    vec3 reflectance;  // factor of the light that the fibers reflect
+    float roughness;   // from 0 to 1
+    float table;       // address of the words of the lobe's table, a whole number
+};
+
+const Sheen NO_SHEEN = Sheen(vec3(0.0), 0.0, 0.0);
+
+// Sheen as it is seen from one direction.
+struct SheenLobe {
+    vec3 albedo;        // share of light that the sheen reflects
+    float kept;         // share of what lies below that is left
+    float probability;  // of a sample of the sheen's own lobe
+    vec2 toward;        // the direction along the surface, of length 1
+    float stretch;      // the inverse transformation: factor of directions along the surface,
+    float shift;        // and what it adds to them for a direction along the normal, toward the viewer
+};
+
+const SheenLobe NO_SHEEN_LOBE = SheenLobe(vec3(0.0), 1.0, 0.0, vec2(1.0, 0.0), 1.0, 0.0);
+
 // Marks of the members of a kind's parameters: the color, the scalar or the flag of a Bsdf that holds a member. They mean nothing to
 // the compiler. build/glsl/bsdfs.rs writes the function that makes the struct from a Bsdf, such as plastic_of.
 #define COLOR(number)
@@ -28,6 +49,8 @@ struct Bsdf {
     vec4 scalars1;
     vec4 scalars2;
     Coating coating;      // valid for a material with MATERIAL_COATED
+    Sheen sheen;          // valid for a material with MATERIAL_SHEEN
+    SheenLobe sheen_lobe; // as the surface is seen
 };
 
 // Parameters of every kind with microfacets. The principled kinds have a roughness and a stretch in place of alpha.

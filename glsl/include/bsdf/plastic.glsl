@@ -2,6 +2,7 @@
 #ifndef BSDF_PLASTIC_GLSL
 #define BSDF_PLASTIC_GLSL
 #include "bsdf/parameters.glsl"
+#include "bsdf/rough_diffuse.glsl"
 #include "math/direction.glsl"
 #include "math/fresnel.glsl"
 
@@ -15,9 +16,11 @@ struct Plastic {
     SCALAR(2) float eta;                       // index of refraction, interior over exterior
     SCALAR(4) float internal_reflectance;      // diffuse Fresnel reflectance from inside
     SCALAR(5) float specular_sampling;         // mean albedo of the specular lobe over that of both lobes
+    SCALAR(6) float base_roughness;            // of a base that is rough
     SCALAR(7) float base_weight;               // share of the base that is left under what the layer reflects, for a weighted base
     FLAG(MATERIAL_NONLINEAR) bool nonlinear;   // color shifts by internal scattering are kept
     FLAG(MATERIAL_WEIGHTED_BASE) bool weighted_base;
+    FLAG(MATERIAL_ENERGY_PRESERVING) bool rough_base;  // a weighted base is rough, by the energy-preserving model
 };
 
 // Whether a weight says what the base sheds, so that the layer dims nothing.
@@ -28,6 +31,14 @@ bool has_weighted_base(Plastic b) {
 // Albedo of a weighted base.
 vec3 weighted_base(Plastic b) {
     return b.base_weight * b.diffuse_reflectance;
+}
+
+// What a weighted base reflects: f cos.
+vec3 weighted_base_reflection(Plastic b, vec3 wo, vec3 wi) {
+    if (has_feature(FEATURE_ENERGY_PRESERVING) && b.rough_base) {
+        return b.base_weight * energy_preserving_reflection(b.diffuse_reflectance, b.base_roughness, wo, wi);
+    }
+    return weighted_base(b) * (INV_PI * wi.z);
 }
 
 // Diffuse reflectance of the base including all reflections between base and layer, without the layer's transmittances.
@@ -65,7 +76,7 @@ float pdf_bsdf_plastic(Plastic b, vec3 wo, vec3 wi, float diffuse_density) {
 
 vec3 eval_bsdf_plastic(Plastic b, vec3 wo, vec3 wi) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    if (has_weighted_base(b)) return weighted_base(b) * (INV_PI * wi.z);
+    if (has_weighted_base(b)) return weighted_base_reflection(b, wo, wi);
     float transmitted_o = 1.0 - fresnel_dielectric(wo.z, b.eta).reflectance;
     float transmitted_i = 1.0 - fresnel_dielectric(wi.z, b.eta).reflectance;
     return plastic_base(b) * (INV_PI * wi.z * transmitted_o * transmitted_i);

@@ -64,7 +64,8 @@ float groove_interreflection(Grooves g) {
     return 0.17 * g.variance / (g.variance + 0.13) * (1.0 - g.cos_phi * g.turn.y * g.turn.y);
 }
 
-// Fujii's form of the qualitative model loses light: the light from direction `w` that it loses at full albedo, relative to what it does at
+// Fujii's form of the qualitative model loses light, even with a reflectance of 1. This is the share of the light from direction `w` that it
+// loses, divided by the roughness and by the factor `a` of energy_preserving_reflection. It depends on the direction alone, and is 0 at
 // grazing incidence.
 float fujii_loss(vec3 w) {
     float sine = min(length(w.xy), 1.0);
@@ -74,15 +75,15 @@ float fujii_loss(vec3 w) {
 
 // Fujii's form, plus the light that it loses, which leaves the surface after several reflections: f cos. As in Cycles, this light has the color
 // once more than in the paper.
-vec3 energy_preserving_reflection(RoughDiffuse b, vec3 wo, vec3 wi) {
-    float a = 1.0 / (PI + FUJII_GRAZING * b.alpha);
-    float mean_loss = a * b.alpha * (FUJII_GRAZING - FUJII_MEAN);
+vec3 energy_preserving_reflection(vec3 reflectance, float roughness, vec3 wo, vec3 wi) {
+    float a = 1.0 / (PI + FUJII_GRAZING * roughness);
+    float mean_loss = a * roughness * (FUJII_GRAZING - FUJII_MEAN);
     float s = dot(wo.xy, wi.xy);
-    float once = a * (1.0 + b.alpha * (s > 0.0 ? s / max(wo.z, wi.z) : s));
+    float once = a * (1.0 + roughness * (s > 0.0 ? s / max(wo.z, wi.z) : s));
     // The product of both losses over the mean loss. Without roughness, all of them are 0.
-    float again = a * b.alpha * fujii_loss(wo) * fujii_loss(wi) / (FUJII_GRAZING - FUJII_MEAN);
-    vec3 kept = b.reflectance * b.reflectance * (1.0 - mean_loss) / (1.0 - b.reflectance * mean_loss);
-    return b.reflectance * (once + kept * (again * INV_PI)) * wi.z;
+    float again = a * roughness * fujii_loss(wo) * fujii_loss(wi) / (FUJII_GRAZING - FUJII_MEAN);
+    vec3 kept = reflectance * reflectance * (1.0 - mean_loss) / (1.0 - reflectance * mean_loss);
+    return reflectance * (once + kept * (again * INV_PI)) * wi.z;
 }
 
 BsdfSample sample_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 u) {
@@ -95,7 +96,9 @@ float pdf_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 wi, float diffuse_den
 
 vec3 eval_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 wi) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    if (has_feature(FEATURE_ENERGY_PRESERVING) && b.energy_preserving) return energy_preserving_reflection(b, wo, wi);
+    if (has_feature(FEATURE_ENERGY_PRESERVING) && b.energy_preserving) {
+        return energy_preserving_reflection(b.reflectance, b.alpha, wo, wi);
+    }
     Grooves g = grooves(b.alpha, wo, wi);
     vec3 reflected = b.reflectance * (groove_reflection(g) + b.reflectance * groove_interreflection(g));
     if (b.fast_approximation) reflected = b.reflectance * groove_reflection_fast(g);

@@ -11,16 +11,16 @@ const uint BSDF_ROUGH_PLASTIC = 8u;
 
 struct RoughPlastic {
     Plastic plastic;
-    SCALAR(6) float table;                        // address of the words of the layer's transmittances, a whole number
+    SCALAR(6) float table;                        // address of the words of the layer's transmittances, a whole number; no weighted base has it
     FLAG(MATERIAL_SMOOTH_BASE) bool smooth_base;  // light passes the layer as if it was smooth
 };
 
 // Share of the light from above that the layer transmits to the base, interpolated in a table over the cosine. A word
-// of the table holds an entry and the next one. The tables lie in the first page.
+// of the table holds an entry and the next one.
 float rough_plastic_transmittance(uint address, float cos_theta) {
     float position = clamp(cos_theta, 0.0, 1.0) * float(TRANSMITTANCE_ENTRIES - 1u);
     uint entry = min(uint(position), TRANSMITTANCE_ENTRIES - 2u);
-    vec2 values = unpackUnorm2x16(paged_texel_word(0u, address + entry));
+    vec2 values = unpackUnorm2x16(table_word(address + entry));
     return mix(values.x, values.y, position - float(entry));
 }
 
@@ -49,7 +49,7 @@ vec3 eval_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 wi, Facet f) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
     float reflectance = fresnel_dielectric(dot(wo, f.m), b.plastic.eta).reflectance;
     vec3 specular = b.plastic.specular_reflectance * (reflectance * reflected_light(f));
-    if (has_weighted_base(b.plastic)) return specular + weighted_base(b.plastic) * (INV_PI * wi.z);
+    if (has_weighted_base(b.plastic)) return specular + weighted_base_reflection(b.plastic, wo, wi);
     float transmitted = layer_transmittance(b, wo.z) * layer_transmittance(b, wi.z);
     return specular + plastic_base(b.plastic) * (INV_PI * wi.z * transmitted);
 }

@@ -104,6 +104,10 @@ uvec4 texture_texel(uint index, uint texel) {
     return texelFetch(textures, int(index * TEXTURE_TEXELS + texel));
 }
 
+uint table_word(uint address) {
+    return texelFetch(texel_words, int(address)).x;
+}
+
 uint paged_texel_word(uint page, uint index) {
     switch (page) {
         case 0u: return texelFetch(texel_words, int(index)).x;
@@ -127,6 +131,11 @@ uvec4 fetch_emitter_texel(uint texel) {
 
 uvec4 texture_texel(uint index, uint texel) {
     return textures[index * TEXTURE_TEXELS + texel];
+}
+
+// Word of a table. The tables lie in the first page.
+uint table_word(uint address) {
+    return texel_words[address];
 }
 
 uint paged_texel_word(uint page, uint index) {

@@ -107,7 +107,9 @@ Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
     float u = 0.0;
     if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
     if (has_choices()) material = chosen_material(surface, wo, u);
-    return scatterer_of_part(surface, wo, material, u);
+    Scatterer scatterer = scatterer_of_part(surface, wo, material, u);
+    if (has_feature(FEATURE_SHEEN)) cover_by_sheen(scatterer.bsdf, scatterer.wo);
+    return scatterer;
 }
 
 #endif

@@ -14,9 +14,9 @@ struct MaterialRecord {
     vec4 colors[3];            // colors; the fourth component is unused
     vec4 scalars[3];           // scalar parameters
     uvec4 links[2];            // links from parameters to textures: parameter << LINK_PARAMETER_SHIFT | texture, or NONE
-    vec3 optical_thickness;    // optical thickness of the coating
-    float coating_eta;         // index of refraction of the coating, interior over exterior
-    vec3 coating_specular;     // specular reflectance of the coating
+    vec3 optical_thickness;    // optical thickness of the coating, or reflectance of the sheen
+    float coating_eta;         // index of refraction of the coating, interior over exterior, or roughness of the sheen
+    vec3 coating_specular;     // specular reflectance of the coating; its first number is the address of the sheen's table
     uint media;                // of a boundary: the medium inside, and above EXTERIOR_MEDIUM_SHIFT the medium outside
 };
 

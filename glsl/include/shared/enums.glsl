@@ -103,8 +103,10 @@ const uint MATERIAL_LETS_THROUGH = 262144u;
 const uint MATERIAL_BOUNDARY = 524288u;
 // What reflects light takes nothing from the diffuse base below it: a weight says what the base sheds.
 const uint MATERIAL_WEIGHTED_BASE = 1048576u;
-// A rough diffuse surface keeps all light that it does not absorb.
+// A rough diffuse surface, or the weighted base of a plastic, keeps all light that it does not absorb.
 const uint MATERIAL_ENERGY_PRESERVING = 2097152u;
+// A sheen covers the surface.
+const uint MATERIAL_SHEEN = 4194304u;
 
 // Position of the exterior medium in the word of a material's record that holds both media.
 const uint EXTERIOR_MEDIUM_SHIFT = 16u;
@@ -128,6 +130,7 @@ const uint FEATURE_GLOW = 2048u;
 const uint FEATURE_CONES = 4096u;
 const uint FEATURE_WEIGHTED_BASE = 8192u;
 const uint FEATURE_ENERGY_PRESERVING = 16384u;
+const uint FEATURE_SHEEN = 32768u;
 
 // Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
 const uint VOLUME_COLORS = 1u;
@@ -235,6 +238,9 @@ const uint VORONOI_W = 3u;
 // Number of a material's first color or scalar parameter, as counted by the links from materials to textures.
 const uint PARAMETER_COLOR0 = 0u;
 const uint PARAMETER_SCALAR0 = 3u;
+// Numbers of the parameters of a sheen, which follow those of all BSDFs.
+const uint PARAMETER_SHEEN_REFLECTANCE = 15u;
+const uint PARAMETER_SHEEN_ROUGHNESS = 16u;
 
 // Position of the page number in a texel word's address: the page is address >> TEXEL_PAGE_SHIFT.
 const uint TEXEL_PAGE_SHIFT = 30u;

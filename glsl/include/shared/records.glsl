@@ -29,5 +29,8 @@ const uint MAX_CHOICES = 8u;
 const float MIN_ALPHA = 1.0e-4;
 // Number of entries of a rough plastic's transmittance table.
 const uint TRANSMITTANCE_ENTRIES = 64u;
+// Number of roughnesses, and of cosines, in the table of the sheen's lobe, and of words of an entry.
+const uint SHEEN_ENTRIES = 32u;
+const uint SHEEN_WORDS = 2u;
 
 #endif

@@ -48,6 +48,8 @@ void scale_parameter(inout Bsdf b, uint parameter, vec3 color) {
     if (is_textured(PARAMETER_COLOR0)) b.color0 *= parameter == PARAMETER_COLOR0 ? color : one;
     if (is_textured(PARAMETER_COLOR0 + 1u)) b.color1 *= parameter == PARAMETER_COLOR0 + 1u ? color : one;
     if (is_textured(PARAMETER_COLOR0 + 2u)) b.color2 *= parameter == PARAMETER_COLOR0 + 2u ? color : one;
+    if (is_textured(PARAMETER_SHEEN_REFLECTANCE)) b.sheen.reflectance *= parameter == PARAMETER_SHEEN_REFLECTANCE ? color : one;
+    if (is_textured(PARAMETER_SHEEN_ROUGHNESS)) b.sheen.roughness *= parameter == PARAMETER_SHEEN_ROUGHNESS ? luminance(color) : 1.0;
     if ((TEXTURED_PARAMETERS & ~COLOR_PARAMETERS) == 0u) return;
     float number = luminance(color);
     uint scalar = parameter - PARAMETER_SCALAR0;

@@ -37,6 +37,20 @@ pub fn add(table: &mut Table) {
     add_principled(table);
     add_thin_principled(table);
     add_wrappers(table);
+    add_sheens(table);
+}
+
+/// White balls under white sheens, which are as bright as the sky about them.
+fn add_sheens(table: &mut Table) {
+    let white = bsdf("diffuse", &rgb("reflectance", "1,1,1"));
+    for (name, roughness) in [("", float("roughness", "0.7")), ("-textured", numbers("roughness", "numbers.png"))] {
+        table.add(Bsdfs, format!("sheen-furnace{name}"), |stage| {
+            stage.room = String::new();
+            stage.lamp = element("emitter", "constant", &rgb("radiance", "0.5,0.7,1"));
+            stage.subject = ball(&bsdf("sheen", &(roughness.clone() + &white)));
+            stage.reference = Reference::Uniform([0.5, 0.7, 1.0]);
+        });
+    }
 }
 
 fn add_diffuse(table: &mut Table) {

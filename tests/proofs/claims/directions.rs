@@ -79,7 +79,7 @@ impl Family {
         match self {
             Self::Diffuse(_) => true,
             Self::Other(surface) => match &surface.base {
-                Base::RoughDiffuse(_) => true,
+                Base::RoughDiffuse(_) | Base::Diffuse(_) => true,
                 Base::Substance(substance) => {
                     !matches!(substance, Substance::RoughConductor(..) | Substance::RoughDielectric(..))
                 }
@@ -121,7 +121,14 @@ impl Family {
             }
             Self::Other(surface) => match &surface.base {
                 Base::Substance(substance) => substance.pdf_with(wo, wi, guide),
-                _ => guide,
+                // The guide stands for the diffuse lobe below a sheen.
+                _ => match &surface.sheen {
+                    Some(sheen) => {
+                        let share = surface.sheen_probability(wo);
+                        (1.0 - share) * guide + share * sheen.density(wo, wi)
+                    }
+                    None => guide,
+                },
             },
             Self::Diffuse(_) => guide,
         }
@@ -131,12 +138,12 @@ impl Family {
 fn families() -> Vec<Family> {
     let color = DVec3::new(0.9, 0.5, 0.2);
     let rough = |alpha| Microfacets::new([alpha; 2], true);
-    let other = |name: &str, base| Family::Other(Box::new(Surface { name: name.into(), base, coating: None }));
+    let other = |name: &str, base| Family::Other(Box::new(Surface::plain(name, base)));
     let oren_nayar =
         RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false, energy_preserving: false };
     let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
     let glass = Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8) };
-    let principled = |name: &str, base: &str| {
+    let known = |name: &str, base: &str| {
         let surface = surfaces().into_iter().find(|surface| surface.name == base);
         Family::Other(Box::new(Surface { name: name.into(), ..surface.expect("a surface") }))
     };
@@ -152,8 +159,10 @@ fn families() -> Vec<Family> {
         // Surfaces that are smoother than GUIDED_ALPHA.
         other("smoother conductor", Base::Substance(Substance::RoughConductor(metal, rough(0.3)))),
         other("smoother dielectric", Base::Substance(Substance::RoughDielectric(glass, rough(0.3)))),
-        principled("principled", "principled 0.5 all"),
-        principled("principled thin", "principled thin 0.5 all"),
+        known("principled", "principled 0.5 all"),
+        known("principled thin", "principled thin 0.5 all"),
+        known("sheen over diffuse", "sheen 0.8 over diffuse"),
+        known("sheen over metal", "sheen 0.3 over metal"),
     ]
 }
 
@@ -173,6 +182,7 @@ impl Bench {
         let variant = Variant {
             normal_resolution,
             guide_set: guide_set as u32,
+            surface_features: kernels::FEATURE_SHEEN,
             material_kinds: kinds.fold(0, |all: u32, kind: u32| all | kind),
             workgroup_size: subject.group,
             ..kind.variant()

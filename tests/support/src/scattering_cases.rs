@@ -1,19 +1,22 @@
 //! Surfaces of every kind, in the form of the device and in the form of their twins.
 
+use std::f64::consts::PI;
+
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use lodestar::generated::kernels::{
-    BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_PRINCIPLED_THIN, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING,
-    FEATURE_ENERGY_PRESERVING, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE, MATERIAL_COATED, MATERIAL_ENERGY_PRESERVING,
-    MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
+    BSDF_CONDUCTOR, BSDF_DIFFUSE, BSDF_PRINCIPLED, BSDF_PRINCIPLED_THIN, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN,
+    FEATURE_COATING, FEATURE_ENERGY_PRESERVING, FEATURE_SHEEN, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE,
+    MATERIAL_COATED, MATERIAL_ENERGY_PRESERVING, MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, MATERIAL_SHEEN, Variant,
 };
 
-use crate::substances::{Substance, substances};
+use crate::substances::{Substance, sheen_table, substances};
 use crate::twins::coating::{Coating, coating_probability, eval_coating, pdf_coating};
 use crate::twins::direction::pdf_cosine_hemisphere;
 use crate::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
 use crate::twins::principled_thin::{PrincipledThin, eval_bsdf_principled_thin, pdf_bsdf_principled_thin};
 use crate::twins::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
+use crate::twins::sheen::Sheen;
 
 /// Parameters on the device: `Bsdf` of `glsl/include/bsdf/parameters.glsl`.
 #[repr(C)]
@@ -25,6 +28,11 @@ pub struct DeviceBsdf {
     optical_thickness: [f32; 3],
     coating_eta: f32,
     coating_specular: [f32; 3],
+    sheen_reflectance: [f32; 3],
+    sheen_roughness: f32,
+    sheen_table: f32,
+    /// The kernel finds the lobe.
+    sheen_lobe: [f32; 9],
 }
 
 impl DeviceBsdf {
@@ -33,9 +41,10 @@ impl DeviceBsdf {
     }
 }
 
-/// Scattering function of a surface, below the coating if there is one.
+/// Scattering function of a surface, below the coating or the sheen if there is one.
 #[derive(Debug, Clone)]
 pub enum Base {
+    Diffuse(DVec3),
     RoughDiffuse(RoughDiffuse),
     Principled(Principled),
     PrincipledThin(PrincipledThin),
@@ -48,12 +57,17 @@ pub struct Surface {
     pub name: String,
     pub base: Base,
     pub coating: Option<Coating>,
+    pub sheen: Option<Sheen>,
 }
 
 /// Constants of a pipeline for all of these surfaces.
 pub fn variant() -> Variant {
-    let surface_features =
-        FEATURE_COATING | FEATURE_BECKMANN | FEATURE_SMOOTH_BASE | FEATURE_WEIGHTED_BASE | FEATURE_ENERGY_PRESERVING;
+    let surface_features = FEATURE_COATING
+        | FEATURE_SHEEN
+        | FEATURE_BECKMANN
+        | FEATURE_SMOOTH_BASE
+        | FEATURE_WEIGHTED_BASE
+        | FEATURE_ENERGY_PRESERVING;
     Variant { material_kinds: u32::MAX, surface_features, ..Variant::default() }
 }
 
@@ -62,8 +76,15 @@ fn floats(v: DVec3) -> [f32; 3] {
 }
 
 impl Surface {
-    fn uncoated((name, base): (String, Base)) -> Self {
-        Self { name, base, coating: None }
+    /// Surface without a coating and a sheen.
+    pub fn plain(name: impl Into<String>, base: Base) -> Self {
+        Self { name: name.into(), base, coating: None, sheen: None }
+    }
+
+    /// Probability of the sheen's own lobe for light to the eye at `wo`.
+    pub fn sheen_probability(&self, wo: DVec3) -> f64 {
+        let below = if let Base::Diffuse(reflectance) = self.base { reflectance.max_element() } else { 1.0 };
+        self.sheen.filter(|_| wo.z > 0.0).map_or(0.0, |sheen| sheen.probability(wo.z, below))
     }
 
     /// Whether light passes to the other side.
@@ -80,6 +101,7 @@ impl Surface {
     pub fn white(&self) -> Self {
         let mut white = self.clone();
         match &mut white.base {
+            Base::Diffuse(reflectance) => *reflectance = DVec3::ONE,
             Base::RoughDiffuse(b) => b.reflectance = DVec3::ONE,
             Base::Principled(b) => b.base_color = DVec3::ONE,
             Base::PrincipledThin(b) => b.base_color = DVec3::ONE,
@@ -88,6 +110,9 @@ impl Surface {
         }
         if let Some(c) = &mut white.coating {
             (c.optical_thickness, c.specular_reflectance) = (DVec3::ZERO, DVec3::ONE);
+        }
+        if let Some(sheen) = &mut white.sheen {
+            sheen.reflectance = DVec3::ONE;
         }
         white
     }
@@ -103,6 +128,7 @@ impl Surface {
 
     pub fn device(&self) -> DeviceBsdf {
         let mut bsdf = match &self.base {
+            Base::Diffuse(reflectance) => DeviceBsdf::new(BSDF_DIFFUSE, [*reflectance, DVec3::ZERO, DVec3::ZERO]),
             Base::RoughDiffuse(b) => device_rough_diffuse(b),
             Base::Principled(b) => device_principled(b),
             Base::PrincipledThin(b) => device_principled_thin(b),
@@ -119,22 +145,33 @@ impl Surface {
             bsdf.coating_eta = c.eta as f32;
             bsdf.coating_specular = floats(c.specular_reflectance);
         }
+        if let Some(sheen) = &self.sheen {
+            bsdf.kind_and_flags |= MATERIAL_SHEEN;
+            bsdf.sheen_reflectance = floats(sheen.reflectance);
+            bsdf.sheen_roughness = sheen.roughness as f32;
+            bsdf.sheen_table = sheen_table() as f32;
+        }
         bsdf
     }
 
     /// Value f |cos|, without lobes of a single direction.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
-        match &self.coating {
-            Some(c) => eval_coating(c, wo, wi, |wo, wi| self.base.eval(wo, wi)),
-            None => self.base.eval(wo, wi),
+        match (&self.coating, &self.sheen) {
+            (Some(c), _) => eval_coating(c, wo, wi, |wo, wi| self.base.eval(wo, wi)),
+            (None, Some(sheen)) if wo.z > 0.0 => sheen.eval(wo, wi, self.base.eval(wo, wi)),
+            _ => self.base.eval(wo, wi),
         }
     }
 
     /// Density, without lobes of a single direction.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        match &self.coating {
-            Some(c) => pdf_coating(c, wo, wi, |wo, wi| self.base.pdf(wo, wi)),
-            None => self.base.pdf(wo, wi),
+        match (&self.coating, &self.sheen) {
+            (Some(c), _) => pdf_coating(c, wo, wi, |wo, wi| self.base.pdf(wo, wi)),
+            (None, Some(sheen)) if wo.z > 0.0 => {
+                let share = self.sheen_probability(wo);
+                (1.0 - share) * self.base.pdf(wo, wi) + share * sheen.density(wo, wi)
+            }
+            _ => self.base.pdf(wo, wi),
         }
     }
 
@@ -142,8 +179,11 @@ impl Surface {
     pub fn delta(&self, wo: DVec3) -> f64 {
         let layer = self.coating.map_or(0.0, |c| coating_probability(&c, wo));
         match &self.base {
-            Base::Mirror => 1.0,
-            Base::Substance(b) => b.lobes(wo).iter().map(|lobe| lobe.probability).sum(),
+            Base::Mirror => 1.0 - self.sheen_probability(wo),
+            Base::Substance(b) => {
+                let lobes = b.lobes(wo).iter().map(|lobe| lobe.probability).sum::<f64>();
+                (1.0 - self.sheen_probability(wo)) * lobes
+            }
             _ => layer,
         }
     }
@@ -161,6 +201,8 @@ impl Surface {
 impl Base {
     fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
         match self {
+            Self::Diffuse(reflectance) if wo.z > 0.0 => *reflectance * (wi.z.max(0.0) / PI),
+            Self::Diffuse(_) => DVec3::ZERO,
             Self::RoughDiffuse(b) => eval_bsdf_rough_diffuse(b, wo, wi),
             Self::Principled(b) => eval_bsdf_principled(b, wo, wi),
             Self::PrincipledThin(b) => eval_bsdf_principled_thin(b, wo, wi),
@@ -171,7 +213,7 @@ impl Base {
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match self {
-            Self::RoughDiffuse(_) if wo.z > 0.0 => pdf_cosine_hemisphere(wi.z),
+            Self::RoughDiffuse(_) | Self::Diffuse(_) if wo.z > 0.0 => pdf_cosine_hemisphere(wi.z),
             Self::Principled(b) => pdf_bsdf_principled(b, wo, wi),
             Self::PrincipledThin(b) => pdf_bsdf_principled_thin(b, wo, wi),
             Self::Substance(b) => b.pdf(wo, wi),
@@ -316,7 +358,31 @@ fn principled_thin(roughness: f64) -> [(String, Base); 3] {
 fn coated((name, base): (String, Base), eta: f64) -> Surface {
     let coating =
         Coating { eta, optical_thickness: DVec3::new(0.1, 0.3, 0.6), specular_reflectance: DVec3::splat(0.9) };
-    Surface { name: format!("coated {name}"), base, coating: Some(coating) }
+    Surface { name: format!("coated {name}"), base, coating: Some(coating), sheen: None }
+}
+
+/// Sheens over nothing, over a diffuse surface, over facets, over single directions, and over glass.
+fn sheens() -> Vec<Surface> {
+    let color = DVec3::new(0.3, 0.6, 0.2);
+    let substance = |name: &str| {
+        let (_, found) = substances().into_iter().find(|(known, _)| known == name).expect("a substance");
+        Base::Substance(found)
+    };
+    let over = |name: &str, base, roughness: f64, reflectance| {
+        let sheen = Some(Sheen { reflectance, roughness });
+        Surface { sheen, ..Surface::plain(format!("sheen {roughness} over {name}"), base) }
+    };
+    vec![
+        over("nothing", Base::Diffuse(DVec3::ZERO), 0.2, DVec3::ONE),
+        over("nothing", Base::Diffuse(DVec3::ZERO), 1.0, DVec3::ONE),
+        over("diffuse", Base::Diffuse(color), 0.45, DVec3::new(0.5, 0.9, 0.7)),
+        over("diffuse", Base::Diffuse(color), 0.8, DVec3::ONE),
+        over("rough diffuse", energy_preserving(0.5).1, 0.6, DVec3::splat(0.5)),
+        over("metal", substance("rough conductor, GGX [0.5, 0.5]"), 0.3, DVec3::new(0.9, 0.6, 0.7)),
+        over("mirror", Base::Mirror, 0.7, DVec3::new(0.9, 0.6, 0.7)),
+        over("plastic", substance("weighted smooth plastic"), 0.5, DVec3::ONE),
+        over("glass", substance("rough dielectric, GGX [0.5, 0.5]"), 0.5, DVec3::new(0.9, 0.6, 0.7)),
+    ]
 }
 
 pub fn surfaces() -> Vec<Surface> {
@@ -329,5 +395,6 @@ pub fn surfaces() -> Vec<Surface> {
     let coated =
         [coated(rough_diffuse(0.4, false), 1.5), coated(("mirror".into(), Base::Mirror), 1.3), coated(metal, 1.7)];
     let substances = substances().into_iter().map(|(name, b)| (name, Base::Substance(b)));
-    uncoated.chain(substances).map(Surface::uncoated).chain(coated).collect()
+    let plain = uncoated.chain(substances).map(|(name, base)| Surface::plain(name, base));
+    plain.chain(coated).chain(sheens()).collect()
 }

@@ -4,10 +4,11 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
+use lodestar::encode::sheen;
 use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC,
-    BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_GGX, MATERIAL_NONLINEAR, MATERIAL_SMOOTH_BASE,
-    MATERIAL_WEIGHTED_BASE, WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
+    BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_ENERGY_PRESERVING, MATERIAL_GGX, MATERIAL_NONLINEAR,
+    MATERIAL_SMOOTH_BASE, MATERIAL_WEIGHTED_BASE, WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
 };
 use lodestar::math::microfacet::Microfacets;
 
@@ -39,15 +40,28 @@ pub enum Substance {
     Ward(Ward),
 }
 
-/// Layers of the rough plastics so far, and the words of their tables.
-static TABLES: Mutex<Tables> = Mutex::new(Tables { layers: vec![], words: vec![] });
+/// Layers of the rough plastics so far, and the words of their tables and of the sheens'.
+static TABLES: Mutex<Tables> = Mutex::new(Tables { sheen: None, layers: vec![], words: vec![] });
 
 struct Tables {
+    sheen: Option<u32>,
     layers: Vec<(Microfacets, f64, RoughLayer, u32)>,
     words: Vec<u32>,
 }
 
-/// Words of all tables of rough plastics so far.
+/// Address of the table of sheens.
+pub fn sheen_table() -> u32 {
+    let mut tables = TABLES.lock().expect("no test panics with it");
+    let address = tables.words.len() as u32;
+    if let Some(known) = tables.sheen {
+        return known;
+    }
+    tables.words.extend(sheen::words());
+    tables.sheen = Some(address);
+    address
+}
+
+/// Words of all tables of rough plastics and of sheens so far.
 pub fn table_words() -> Vec<u32> {
     TABLES.lock().expect("no test panics with it").words.clone()
 }
@@ -81,6 +95,7 @@ pub fn plastic(
         specular_sampling: means[0] / (means[0] + means[1]),
         rough: None,
         base_weight: None,
+        base_roughness: 0.0,
     };
     let Some(facets) = facets else { return Substance::Plastic(b) };
     let (layer, address) = layer(facets, eta);
@@ -236,7 +251,7 @@ fn device_plastic(kind: u32, b: &Plastic, address: u32) -> DeviceBsdf {
     let mut device = DeviceBsdf::new(kind | flag, [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO]);
     device.scalars[2] = b.eta as f32;
     device.scalars[4..7].copy_from_slice(&[b.internal_reflectance as f32, b.specular_sampling as f32, address as f32]);
-    weigh_base(&mut device, b.base_weight);
+    weigh_base(&mut device, b.base_weight, b.base_roughness);
     device
 }
 
@@ -245,15 +260,16 @@ fn device_polarized_plastic(b: &PolarizedPlastic) -> DeviceBsdf {
     let mut device = DeviceBsdf::new(BSDF_ROUGH_PLASTIC | MATERIAL_SMOOTH_BASE, colors);
     device.scalars[2] = b.eta as f32;
     device.scalars[4..6].copy_from_slice(&[1.0 - 1.0 / b.eta.powi(2), b.specular_sampling()].map(|x| x as f32));
-    weigh_base(&mut device, b.base_weight);
+    weigh_base(&mut device, b.base_weight, b.base_roughness);
     device
 }
 
-/// Gives the base of a plastic its weight.
-fn weigh_base(device: &mut DeviceBsdf, weight: Option<f64>) {
+/// Gives the base of a plastic its weight and its roughness.
+fn weigh_base(device: &mut DeviceBsdf, weight: Option<f64>, roughness: f64) {
     if let Some(weight) = weight {
-        device.kind_and_flags |= MATERIAL_WEIGHTED_BASE;
-        device.scalars[7] = weight as f32;
+        let is_rough = roughness > 0.0;
+        device.kind_and_flags |= MATERIAL_WEIGHTED_BASE | if is_rough { MATERIAL_ENERGY_PRESERVING } else { 0 };
+        device.scalars[6..8].copy_from_slice(&[roughness as f32, weight as f32]);
     }
 }
 
@@ -295,8 +311,13 @@ fn smooth() -> Vec<(String, Substance)> {
     let Substance::Plastic(plain) = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), false, None) else {
         unreachable!()
     };
-    let weighted = Substance::Plastic(Plastic { base_weight: Some(0.6), ..plain });
-    let others = [("conductor".into(), Substance::Conductor(COPPER)), ("weighted smooth plastic".into(), weighted)];
+    let weighted =
+        |base_roughness| Substance::Plastic(Plastic { base_weight: Some(0.6), base_roughness, ..plain.clone() });
+    let others = [
+        ("conductor".into(), Substance::Conductor(COPPER)),
+        ("weighted smooth plastic".into(), weighted(0.0)),
+        ("weighted smooth plastic with a rough base".into(), weighted(0.7)),
+    ];
     dielectrics.chain(plastics).chain(others).collect()
 }
 
@@ -313,10 +334,15 @@ fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
         specular_reflectance: DVec3::new(0.6, 0.8, 1.0),
         facets,
         base_weight: None,
+        base_roughness: 0.0,
     };
     all.push((format!("polarized plastic, {name}"), Substance::PolarizedPlastic(polarized)));
     let weighted = PolarizedPlastic { base_weight: Some(0.6), ..polarized };
     all.push((format!("weighted plastic, {name}"), Substance::PolarizedPlastic(weighted)));
+    if alpha == [0.2; 2] {
+        let rough = PolarizedPlastic { base_roughness: 0.4, ..weighted };
+        all.push((format!("weighted plastic with a rough base, {name}"), Substance::PolarizedPlastic(rough)));
+    }
     if alpha[0] == alpha[1] {
         let b = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), true, Some(facets));
         all.push((format!("rough plastic, {name}"), b));

@@ -48,6 +48,7 @@ const QUADTREE_NODES: &str = "glsl/include/guide/samplers/quadtree_nodes.glsl";
 const QUADTREE_REFINEMENT: &str = "glsl/include/guide/samplers/quadtree_refinement.glsl";
 const REFINE_QUADTREES: &str = "glsl/kernels/learn/refine_quadtrees.comp";
 const REJECTION: &str = "glsl/include/guide/samplers/rejection_mix.glsl";
+const SHEEN: &str = "glsl/include/bsdf/sheen.glsl";
 const SEGMENT: &str = "glsl/include/guide/learners/segment.glsl";
 const SOBOL: &str = "glsl/include/random/sobol.glsl";
 const SURFACE: &str = "glsl/include/geometry/surface.glsl";
@@ -216,6 +217,14 @@ pub const MUTATIONS: &[Mutation] = &[
             file: PLASTIC,
             text: "return (1.0 - plastic_specular_probability(b, reflectance)) * diffuse_density;",
             mutated: "return (MUTATED ? 1.0 : 1.0 - plastic_specular_probability(b, reflectance)) * diffuse_density;",
+        }],
+    ),
+    mutation(
+        "a sheen that gains energy",
+        &[Patch {
+            file: SHEEN,
+            text: "lobe.kept = max(1.0 - max_component(lobe.albedo), 0.0);",
+            mutated: "lobe.kept = MUTATED ? 1.0 : max(1.0 - max_component(lobe.albedo), 0.0);",
         }],
     ),
     mutation(

@@ -20,7 +20,7 @@ use super::scope::Scope;
 use super::textures::Textures;
 use crate::Result;
 use crate::generated::constants;
-use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
+use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, Sheen, SurfaceMaterial};
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::faults::{self, Faults};
@@ -31,7 +31,8 @@ use parameters::{DEFAULT_REFLECTANCE, Parameters};
 use tree::{Tree, null_surface};
 
 /// Plugins that contain other BSDFs.
-const MODIFIERS: [&str; 7] = ["twosided", "mask", "blendbsdf", "mixturebsdf", "bumpmap", "normalmap", "coating"];
+const MODIFIERS: [&str; 8] =
+    ["twosided", "mask", "blendbsdf", "mixturebsdf", "bumpmap", "normalmap", "coating", "sheen"];
 
 /// Elements that act on the polarization of light, with the share of unpolarized light that they transmit.
 const POLARIZING: [(&str, f32); 3] = [("polarizer", 0.5), ("circular", 0.5), ("retarder", 1.0)];
@@ -257,6 +258,10 @@ fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
         "bumpmap" => one(parts)?.with_relief(bump_map(parameters)?),
         "normalmap" => one(parts)?.with_relief(normal_map(parameters)?),
         "coating" => one(parts)?.coated(coating(parameters)?),
+        "sheen" => {
+            let base = if parts.is_empty() { Tree::black() } else { one(parts)? };
+            base.with_sheen(sheen(parameters)?)
+        }
         _ => {
             let supported: Vec<_> = surfaces::READERS.iter().map(|(name, _)| *name).collect();
             let polarizing = POLARIZING.map(|(name, _)| name);
@@ -333,6 +338,14 @@ fn coating(parameters: &mut Parameters) -> Result<Coating> {
     let absorption = parameters.properties.color("sigma_a")?.unwrap_or(Vec3::ZERO);
     let specular_reflectance = parameters.constant_reflectance("specular_reflectance", 1.0)?;
     Ok(Coating { eta, optical_thickness: absorption * thickness, specular_reflectance })
+}
+
+/// Reads a `sheen`, a plugin that Mitsuba lacks.
+fn sheen(parameters: &mut Parameters) -> Result<Sheen> {
+    Ok(Sheen {
+        reflectance: parameters.reflectance("reflectance", 1.0)?,
+        roughness: parameters.share("roughness", 0.5)?,
+    })
 }
 
 fn check_texture_count(object: &Object, tree: &Tree) -> Result<()> {

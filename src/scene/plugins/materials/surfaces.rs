@@ -126,6 +126,7 @@ fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
         let message = "a `plastic` has `nonlinear` or `base_weight`, not both; leave one out";
         return Err(parameters.owner().error(message));
     }
+    let (rough_base, base_roughness) = base_roughness(parameters)?;
     Ok(Bsdf::Plastic {
         eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
         diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
@@ -133,7 +134,20 @@ fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
         nonlinear,
         weighted_base,
         base_weight: parameters.share("base_weight", 1.0)?,
+        rough_base,
+        base_roughness,
     })
+}
+
+/// Reads whether a weighted base is rough, and its roughness.
+fn base_roughness(parameters: &mut Parameters) -> Result<(bool, Textured<f32>)> {
+    let location = parameters.properties.location("base_roughness");
+    let is_given = parameters.properties.has("base_roughness");
+    if is_given && !parameters.properties.has("base_weight") {
+        return Err(location.error("`base_roughness` needs `base_weight`; give both, or leave both out"));
+    }
+    let roughness = parameters.share("base_roughness", 0.0)?;
+    Ok((is_given && roughness != Textured::constant(0.0), roughness))
 }
 
 fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
@@ -155,6 +169,7 @@ fn polarized_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
     if eta == 1.0 {
         return Err(parameters.owner().error("`int_ior` and `ext_ior` of a `pplastic` must differ"));
     }
+    let (rough_base, base_roughness) = base_roughness(parameters)?;
     Ok(Bsdf::PolarizedPlastic {
         microfacets: parameters.microfacets()?,
         eta,
@@ -162,5 +177,7 @@ fn polarized_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
         specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
         weighted_base: parameters.properties.has("base_weight"),
         base_weight: parameters.share("base_weight", 1.0)?,
+        rough_base,
+        base_roughness,
     })
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::scene::bsdf::{Bsdf, Coating, Relief, SurfaceMaterial};
+use crate::scene::bsdf::{Bsdf, Coating, Relief, Sheen, SurfaceMaterial};
 use crate::scene::texture::Textured;
 
 /// Material in normal form: a surface, or a choice.
@@ -20,11 +20,14 @@ pub(super) enum Tree {
     },
 }
 
+/// Surface that absorbs all light.
+fn black() -> SurfaceMaterial {
+    SurfaceMaterial::plain(Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) })
+}
+
 /// Surface that lets this share of light go straight on and absorbs the rest.
 fn sheet(transmitted: f32) -> SurfaceMaterial {
-    let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
-    let opacity = Textured::constant(1.0 - transmitted);
-    SurfaceMaterial { opacity, ..SurfaceMaterial::plain(black) }
+    SurfaceMaterial { opacity: Textured::constant(1.0 - transmitted), ..black() }
 }
 
 /// Surface that all light passes.
@@ -33,6 +36,11 @@ pub(super) fn null_surface() -> SurfaceMaterial {
 }
 
 impl Tree {
+    /// Surface that absorbs all light.
+    pub fn black() -> Self {
+        Self::Surface(black())
+    }
+
     /// `null`: the surface lets all light pass, as a `mask` of opacity 0.
     pub fn null() -> Self {
         Self::sheet(1.0)
@@ -152,10 +160,29 @@ impl Tree {
             if surface.coating.is_some() {
                 return Err("a `coating` inside another is not supported");
             }
+            if surface.sheen.is_some() {
+                return Err("a `coating` around a `sheen` is not supported; blend a `roughconductor` with the `sheen`");
+            }
             if is_transmissive(&surface) {
                 return Err("a `coating` over a material that transmits light is not supported");
             }
             Ok(SurfaceMaterial { coating: Some(coating), ..surface })
+        })
+    }
+
+    /// Puts a `sheen` around the material.
+    pub fn with_sheen(self, sheen: Sheen) -> Result<Self, &'static str> {
+        self.map(&|surface| {
+            if surface.relief.is_some() {
+                return Err("a `sheen` around a bump or normal map is not supported; put the map around the `sheen`");
+            }
+            if surface.coating.is_some() || surface.sheen.is_some() {
+                return Err("a `sheen` around a `coating` or another `sheen` is not supported");
+            }
+            if surface.opacity != Textured::constant(1.0) || matches!(surface.bsdf, Bsdf::ThinDielectric { .. }) {
+                return Err("a `sheen` around a material that lets light go straight on is not supported");
+            }
+            Ok(SurfaceMaterial { sheen: Some(sheen), ..surface })
         })
     }
 }

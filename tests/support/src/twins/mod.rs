@@ -32,6 +32,7 @@ pub mod random;
 pub mod rejection_mix;
 pub mod relief;
 pub mod rough_diffuse;
+pub mod sheen;
 pub mod sobol;
 pub mod texture;
 pub mod voronoi;

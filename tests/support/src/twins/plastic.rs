@@ -9,6 +9,7 @@ use lodestar::math::microfacet::{Microfacets, smith_g1};
 use super::conductor::pdf_reflection;
 use super::delta::DeltaLobe;
 use super::microfacet::microfacet_density;
+use super::rough_diffuse::energy_preserving;
 
 /// Dielectric layer over a diffuse base.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +30,8 @@ pub struct Plastic {
     pub rough: Option<RoughSurface>,
     /// Share of the base that is left, where the layer takes no light from it.
     pub base_weight: Option<f64>,
+    /// Roughness of a weighted base.
+    pub base_roughness: f64,
 }
 
 /// Surface of a rough layer.
@@ -80,7 +83,7 @@ pub fn eval_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3) -> DVec3 {
     }
     let of_layer = b.rough.as_ref().map_or(DVec3::ZERO, |rough| specular(b, &rough.facets, wo, wi));
     if let Some(weight) = b.base_weight {
-        return b.diffuse_reflectance * (weight * wi.z / PI) + of_layer;
+        return energy_preserving(b.diffuse_reflectance, b.base_roughness, wo, wi) * weight + of_layer;
     }
     let returned = if b.nonlinear { b.diffuse_reflectance } else { DVec3::ONE } * b.internal_reflectance;
     let base = b.diffuse_reflectance / (DVec3::ONE - returned);

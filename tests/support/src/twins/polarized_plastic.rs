@@ -9,6 +9,7 @@ use lodestar::math::microfacet::{Microfacets, smith_g1};
 
 use super::conductor::pdf_reflection;
 use super::microfacet::microfacet_density;
+use super::rough_diffuse::energy_preserving;
 
 /// Microfacets of a dielectric, and a diffuse base that light reaches as through a smooth surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,8 @@ pub struct PolarizedPlastic {
     pub facets: Microfacets,
     /// Share of the base that is left, where the facets take no light from it.
     pub base_weight: Option<f64>,
+    /// Roughness of a weighted base.
+    pub base_roughness: f64,
 }
 
 impl PolarizedPlastic {
@@ -56,8 +59,11 @@ pub fn eval_bsdf_polarized_plastic(b: &PolarizedPlastic, wo: DVec3, wi: DVec3) -
     let masking = smith_g1(&b.facets, wo) * smith_g1(&b.facets, wi);
     let facets = microfacet_density(&b.facets, m) * masking / (4.0 * wo.z);
     let reflectance = fresnel_dielectric(wo.dot(m), b.eta).reflectance;
-    let passing = b.base_weight.unwrap_or_else(|| b.transmittance(wo.z) * b.transmittance(wi.z));
-    b.specular_reflectance * (reflectance * facets) + b.diffuse_reflectance * (passing * wi.z / PI)
+    let base = match b.base_weight {
+        Some(weight) => energy_preserving(b.diffuse_reflectance, b.base_roughness, wo, wi) * weight,
+        None => b.diffuse_reflectance * (b.transmittance(wo.z) * b.transmittance(wi.z) * wi.z / PI),
+    };
+    b.specular_reflectance * (reflectance * facets) + base
 }
 
 /// Density of `wi`, given its density under the sampler of the diffuse lobe.

@@ -23,7 +23,7 @@ pub fn eval_bsdf_rough_diffuse(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 
         return DVec3::ZERO;
     }
     if b.energy_preserving {
-        return energy_preserving(b, wo, wi);
+        return energy_preserving(b.reflectance, b.alpha, wo, wi);
     }
     let angle = |w: DVec3| w.truncate().length().atan2(w.z);
     let alpha = angle(wo).max(angle(wi));
@@ -45,17 +45,17 @@ fn fujii_albedo(a: f64, roughness: f64, cosine: f64) -> f64 {
 }
 
 /// The model of Portsmouth, Kutz and Hill (2024). The term of several reflections has the reflectance once more, as in Cycles.
-fn energy_preserving(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 {
-    if b.alpha == 0.0 {
-        return b.reflectance * (wi.z / PI);
+pub fn energy_preserving(reflectance: DVec3, roughness: f64, wo: DVec3, wi: DVec3) -> DVec3 {
+    if roughness == 0.0 {
+        return reflectance * (wi.z / PI);
     }
-    let a = 1.0 / (PI + (FRAC_PI_2 - 2.0 / 3.0) * b.alpha);
+    let a = 1.0 / (PI + (FRAC_PI_2 - 2.0 / 3.0) * roughness);
     let s = wo.dot(wi) - wo.z * wi.z;
-    let once = a * (1.0 + b.alpha * if s > 0.0 { s / wo.z.max(wi.z) } else { s });
-    let mean = a * PI + b.alpha * a * (2.0 * PI - 5.6) / 3.0;
-    let losses = [wo.z, wi.z].map(|cosine| 1.0 - fujii_albedo(a, b.alpha, cosine));
-    let color = b.reflectance.powf(3.0) * mean / (DVec3::ONE - b.reflectance * (1.0 - mean));
-    (b.reflectance * once + color * (losses[0] * losses[1] / ((1.0 - mean) * PI))) * wi.z
+    let once = a * (1.0 + roughness * if s > 0.0 { s / wo.z.max(wi.z) } else { s });
+    let mean = a * PI + roughness * a * (2.0 * PI - 5.6) / 3.0;
+    let losses = [wo.z, wi.z].map(|cosine| 1.0 - fujii_albedo(a, roughness, cosine));
+    let color = reflectance.powf(3.0) * mean / (DVec3::ONE - reflectance * (1.0 - mean));
+    (reflectance * once + color * (losses[0] * losses[1] / ((1.0 - mean) * PI))) * wi.z
 }
 
 fn variance(alpha: f64) -> f64 {
