@@ -1,4 +1,4 @@
-//! Lodestar renders scenes of Mitsuba, pbrt, glTF and Blender with path guiding, on any Vulkan device. It uses compute kernels and needs no
+//! Lodestar renders scenes of Mitsuba, pbrt, glTF, USD and Blender with path guiding, on any Vulkan device. It uses compute kernels and needs no
 //! ray-tracing extension.
 //! The method is "Fast and Lightweight Path Guiding Algorithm on GPU" (Kim and Kim, Pacific Graphics 2021), in an unbiased form.
 //!

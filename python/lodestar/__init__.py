@@ -1,4 +1,4 @@
-"""Renders scenes of Mitsuba, pbrt and glTF with path guiding, on any Vulkan device.
+"""Renders scenes of Mitsuba, pbrt, glTF and USD with path guiding, on any Vulkan device.
 
 >>> import lodestar
 >>> picture = lodestar.render("scene.xml", spp=64)   # or a folder, a Scene, or Mitsuba's scene dictionary

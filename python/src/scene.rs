@@ -156,7 +156,7 @@ fn from_dictionary(value: &Bound<'_, PyAny>, warns: bool) -> PyResult<Scene> {
 /// Parameters
 /// ----------
 /// scene : path or dict
-///     Mitsuba's XML of any version, a model in glTF, a scene of pbrt-v4, a folder with a `scene.xml`, or Mitsuba's scene
+///     Mitsuba's XML of any version, a model in glTF or USD, a scene of pbrt-v4, a folder with a `scene.xml`, or Mitsuba's scene
 ///     dictionary. A dictionary may nest objects, and may hold numpy arrays and transforms (`lodestar.ScalarTransform4f`, Mitsuba's, or arrays of shape (4, 4)). A shape
 ///     `{"type": "mesh", "vertices": (n, 3), "faces": (m, 3)}` is a mesh of arrays, with optional `normals` (n, 3), `uvs` (n, 2)
 ///     and `colors` (n, 3). Files that a dictionary names are relative to the current folder.
@@ -212,7 +212,7 @@ fn pairs(defines: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, String)>>
 /// Parameters
 /// ----------
 /// scene : path
-///     Mitsuba's XML of any version, a model in glTF, a scene of pbrt-v4, or a folder with a `scene.xml`.
+///     Mitsuba's XML of any version, a model in glTF or USD, a scene of pbrt-v4, or a folder with a `scene.xml`.
 /// output : path
 ///     File to write, in `.xml`.
 /// overwrite : bool

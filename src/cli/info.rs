@@ -18,7 +18,8 @@ use super::print::{print_json, print_line};
 /// it knows.
 #[derive(Debug, Clone, clap::Args)]
 pub struct InfoArgs {
-    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt). Or a guide (.guide).
+    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), USD (.usd, .usda,
+    /// .usdc, .usdz), or pbrt-v4 (.pbrt). Or a guide (.guide).
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Value that replaces the scene's default of that name.

@@ -45,7 +45,7 @@ use lodestar::{Error, Result};
 
 use print::report;
 
-/// Renders scenes of Mitsuba, pbrt, glTF and Blender with path guiding, on any Vulkan device.
+/// Renders scenes of Mitsuba, pbrt, glTF, USD and Blender with path guiding, on any Vulkan device.
 #[derive(Debug, Parser)]
 #[command(name = "lodestar", version, max_term_width = 100)]
 struct Cli {

@@ -1,7 +1,8 @@
 //! Files that are no scenes, by their extensions: what each is, and what to do with it.
 
 /// Formats of scenes, as messages name them.
-pub(super) const FORMATS: &str = "Mitsuba's XML (.xml), glTF 2.0 (.gltf, .glb) or pbrt-v4 (.pbrt)";
+pub(super) const FORMATS: &str =
+    "Mitsuba's XML (.xml), glTF 2.0 (.gltf, .glb), USD (.usd, .usda, .usdc, .usdz) or pbrt-v4 (.pbrt)";
 
 const EXPORT: &str = "open it in a program such as Blender, and export it as glTF 2.0";
 
@@ -14,10 +15,7 @@ const KINDS: [(&[&str], &str, &str); 6] = [
         "name it in a <shape> of a scene in Mitsuba's XML",
     ),
     (
-        &[
-            "3ds", "abc", "c4d", "dae", "fbx", "lwo", "ma", "max", "mb", "stl", "usd", "usda", "usdc", "usdz", "wrl",
-            "x3d",
-        ],
+        &["3ds", "abc", "c4d", "dae", "fbx", "lwo", "ma", "max", "mb", "stl", "wrl", "x3d"],
         "of a format that is not read",
         EXPORT,
     ),

@@ -41,6 +41,7 @@ pub mod texel_pages;
 mod text;
 pub mod texture;
 pub mod texture_lookup;
+mod usd;
 mod whole;
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};

@@ -29,6 +29,7 @@ pub(super) fn describe(path: &Path, defines: &[(String, String)]) -> Result<Desc
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
         Some("gltf" | "glb") => super::gltf::read(path, defines),
+        Some("usd" | "usda" | "usdc" | "usdz") => super::usd::read(path, defines),
         Some("pbrt") => match defines.first() {
             None => super::pbrt::read(path),
             Some((name, _)) => {

@@ -58,7 +58,7 @@ fn what_is_no_scene_is_told() {
     for (name, words) in [
         (
             "a.blend",
-            "a file of Blender, not a scene in Mitsuba's XML (.xml), glTF 2.0 (.gltf, .glb) or pbrt-v4 (.pbrt)",
+            "a file of Blender, not a scene in Mitsuba's XML (.xml), glTF 2.0 (.gltf, .glb), USD (.usd, .usda, .usdc, .usdz) or pbrt-v4 (.pbrt)",
         ),
         ("a.obj", "name it in a <shape>"),
         ("a.USDC", "export it as glTF 2.0"),

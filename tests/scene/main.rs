@@ -29,6 +29,7 @@ mod refuses;
 mod strangers;
 mod sunsky;
 mod textures;
+mod usd;
 
 use std::path::PathBuf;
 

@@ -18,7 +18,7 @@ use crate::scene::text;
 use crate::{Error, Result, inputs};
 
 use curves::CurveFormat;
-pub(super) use triangles::{MAX_TRIANGLES, Mesh, VERTEX_COLOR};
+pub(super) use triangles::{Cutter, MAX_TRIANGLES, Mesh, VERTEX_COLOR};
 pub(super) use tubes::{Strand, of_strands};
 
 /// Largest mesh file in bytes. Meshes are kept whole while they are read, and a larger file is a mistake.
