@@ -102,14 +102,16 @@ class Interactive:
 
     def _export(self, viewport: Viewport, depsgraph: Any, space: Any, view: view_camera.View) -> None:
         options = self._session_options(depsgraph.scene.lodestar)
-        if not self._scenery.changes.are_seen and options == self._options:
+        is_forced = options != self._options
+        if not self._scenery.changes.are_seen and not is_forced:
             return
+        self._options = options
         try:
-            scene_file = self._scenery.written(depsgraph, space, view, forced=options != self._options)
+            scene_file = self._scenery.written(depsgraph, space, view, is_forced)
         except Exception as fault:  # noqa: BLE001: it is told until the scene changes
             self._fault_of_export = _words(fault)
             return
-        self._options, self._fault_of_export = options, ""
+        self._fault_of_export = ""
         if scene_file is not None:
             viewport.change(scene_file, options)
 

@@ -41,6 +41,7 @@ class Kept:
 
     def __init__(self) -> None:
         self._parts: dict[Any, tuple[Any, list[Part]]] = {}
+        self._asked: set[Any] = set()
 
     def forget(self, numbers: set[int]) -> None:
         """Forgets meshes of objects and of data with these numbers (`session_uid`), which have changed."""
@@ -48,13 +49,20 @@ class Kept:
 
     def find(self, owner: Any, wanted: list[Wanted], folder: Path) -> Optional[list[Part]]:
         """Parts of an object that has not changed; None where none are known."""
-        shape, parts = self._parts.get(_key(owner, wanted), (None, []))
+        key = _key(owner, wanted)
+        self._asked.add(key)
+        shape, parts = self._parts.get(key, (None, []))
         is_here = shape == _shape(owner) and all((folder / file).exists() for part in parts for file in part.files)
         return parts if is_here else None
 
     def keep(self, owner: Any, wanted: list[Wanted], parts: list[Part]) -> None:
         """Keeps parts of an object."""
         self._parts[_key(owner, wanted)] = (_shape(owner), parts)
+
+    def drop_others(self) -> None:
+        """Drops the parts that no export has asked for since the last call, such as those of objects that are gone."""
+        self._parts = {key: kept for key, kept in self._parts.items() if key in self._asked}
+        self._asked.clear()
 
 
 def _key(owner: Any, wanted: list[Wanted]) -> Any:

@@ -91,14 +91,18 @@ class Scenery:
     def written(self, depsgraph: Any, space: Any, view: View, forced: bool = False) -> Optional[Path]:
         """File of the scene as it is now; None where its picture would be the same as before."""
         self._kept.forget(self.changes.taken())
+        if forced:
+            # An export that fails leaves it to the next one.
+            self._digest = None
 
         def shows(instance: Any) -> bool:
             return (instance.parent if instance.is_instance else instance.object).visible_in_viewport_get(space)
 
         options = properties.options(depsgraph.scene.lodestar)
         done = export.export_view(depsgraph, self._folder, options, export.Viewed(Eye(view), shows, self._kept))
+        self._kept.drop_others()
         self.warnings = len(done.report.warnings)
-        if done.digest == self._digest and not forced:
+        if done.digest == self._digest:
             return None
         self._digest = done.digest
         return done.scene_file

@@ -169,8 +169,11 @@ class Viewport:
 
     def take_change(self) -> bool:
         """Whether there is something new to draw since the last call."""
-        was, self._is_changed = self._is_changed, False
-        return was
+        # The thread sets the mark after what is new, so only a mark that was seen is taken away.
+        if not self._is_changed:
+            return False
+        self._is_changed = False
+        return True
 
     @property
     def status(self) -> str:

@@ -216,6 +216,38 @@ def test_a_fault_of_an_export_is_told_until_the_scene_changes(view: View3D, monk
     assert view.engine.status == "Sample 2/2"
 
 
+def test_a_fault_of_the_first_export_and_of_changed_options_is_told_until_the_scene_changes(view: View3D, monkeypatch: pytest.MonkeyPatch) -> None:
+    from lodestar import export
+
+    calls: list[int] = []
+
+    def failing(*_: Any) -> None:
+        calls.append(1)
+        raise OSError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(export, "export_view", failing)
+        for _ in range(5):
+            view.draw()
+        assert view.engine.status == "the disk is full" and len(calls) == 1
+    assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.1)) == 1
+    with monkeypatch.context() as patch:
+        patch.setattr(export, "export_view", failing)
+        bpy.context.scene.lodestar.seed += 1
+        view.rest()
+        assert view.engine.status == "the disk is full" and len(calls) == 2
+    # The scene is the same as before the fault, but the seed is another one.
+    assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.1)) == 1
+    assert view.engine.status == "Sample 2/2"
+
+
+def test_meshes_of_objects_that_are_gone_are_not_kept(view: View3D) -> None:
+    view.rest()
+    parts = view.interactive._scenery._kept._parts
+    assert view.renders_after(lambda: bpy.data.objects.remove(objects()["ball"])) == 1
+    assert len(view.interactive._scenery._kept._parts) == len(parts) - 1
+
+
 def test_a_look_ends_with_its_engine(view: View3D) -> None:
     engine = Engine()
     look = interactive._Look(engine, view.interactive)
