@@ -60,7 +60,7 @@ pub fn with<T>(options: Options, value: Option<T>, set: impl FnOnce(Options, T) 
 impl<S: Subset> Given<S> {
     /// How the scene is read.
     pub fn load(&self) -> LoadOptions {
-        // Formats other than glTF know nothing of these names, and say so.
+        // A format that does not know such a name says so.
         let chosen = [("time", "scene-time"), ("variant", "variant")].into_iter();
         let chosen = chosen.filter_map(|(name, option)| Some((name.to_owned(), self.text(option)?.to_owned())));
         LoadOptions {

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use ::image::{DynamicImage, ExtendedColorType, ImageError, ImageFormat, ImageReader, Limits};
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::{exr, ktx2, pfm, radiance};
 use crate::{Error, Result, inputs, quoted};
@@ -98,6 +98,12 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
     reader.limits(limits);
     let image = reader.decode().map_err(|error| decode_error(path, &error))?;
     convert(path, image)
+}
+
+/// Number of channels of a PNG, a JPEG or another of the usual images; `None` where its header is not known.
+pub fn channels(bytes: &[u8]) -> Option<u8> {
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?;
+    Some(reader.into_decoder().ok()?.color_type().channel_count())
 }
 
 fn of_floats(image: super::Image) -> TexelImage {

@@ -30,6 +30,7 @@ mod strangers;
 mod sunsky;
 mod textures;
 mod usd;
+mod usd_rules;
 
 use std::path::PathBuf;
 

@@ -30,7 +30,7 @@ value="1"/><float name="eta" value="1.5"/><float name="roughness" value="0.25"/>
 const FLOOR: &str = "v -3 0 3\nv 3 0 3\nv 3 0 -3\nv -3 0 -3\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 const WALL: &str = "v -3 0 -3\nv 3 0 -3\nv 3 2 -3\nv 0 1 -3\nv -3 2 -3\nf 1 2 3 4 5\n";
 
-fn data(name: &str) -> PathBuf {
+pub(crate) fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/usd").join(name)
 }
 
@@ -39,12 +39,12 @@ fn read(path: &Path) -> Scene {
 }
 
 /// A stage of this text.
-fn stage(body: &str) -> Result<Scene, String> {
+pub(crate) fn stage(body: &str) -> Result<Scene, String> {
     stage_with("", body, &[])
 }
 
 /// A stage with metadata, and with choices of the user.
-fn stage_with(metadata: &str, body: &str, defines: &[(&str, &str)]) -> Result<Scene, String> {
+pub(crate) fn stage_with(metadata: &str, body: &str, defines: &[(&str, &str)]) -> Result<Scene, String> {
     let folder = Folder::new(&[("stage.usda", &format!("#usda 1.0\n({metadata})\n{body}"))]);
     let defines = defines.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
     load(&folder.path("stage.usda"), &LoadOptions { defines, ..LoadOptions::default() })
@@ -52,7 +52,7 @@ fn stage_with(metadata: &str, body: &str, defines: &[(&str, &str)]) -> Result<Sc
 }
 
 /// A square mesh with more properties.
-fn square(name: &str, more: &str) -> String {
+pub(crate) fn square(name: &str, more: &str) -> String {
     format!(
         "def Mesh \"{name}\" {{ uniform token subdivisionScheme = \"none\"\npoint3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), \
          (0, 1, 0)]\nint[] faceVertexCounts = [4]\nint[] faceVertexIndices = [0, 1, 2, 3]\n{more}\n}}\n"
@@ -118,7 +118,8 @@ fn what_is_hidden_is_not_shown() {
     let others = "class Xform \"C\" { def Sphere \"S\" {} }\nover \"O\" { def Sphere \"S\" {} }\n\
                   def Xform \"P\" { uniform token purpose = \"guide\"\ndef Sphere \"S\" { uniform token purpose = \"render\" } }\n\
                   def Sphere \"Off\" (active = false) {}";
-    assert_eq!(stage(&format!("{all}{others}")).unwrap().primitives.len(), 4);
+    // A prim's own purpose goes before its parent's.
+    assert_eq!(stage(&format!("{all}{others}")).unwrap().primitives.len(), 5);
 }
 
 /// Operations apply from the last to the first, and a reset leaves out the parents.

@@ -24,6 +24,7 @@ impl Archive {
         if count > MOST_ENTRIES {
             return Err(format!("it has more than {MOST_ENTRIES} files"));
         }
+        let mut ranges = Vec::new();
         let mut archive = Self { entries: HashMap::new(), names: Vec::new(), bytes };
         for _ in 0..count {
             let bytes = &archive.bytes;
@@ -46,9 +47,16 @@ impl Archive {
                 return Err(damaged());
             }
             at += 46 + name_length + skipped;
+            ranges.push(range.clone());
             if archive.entries.insert(name.clone(), range).is_none() {
                 archive.names.push(name);
             }
+        }
+        // What is read of an archive is never more than the archive.
+        ranges.retain(|range| !range.is_empty());
+        ranges.sort_by_key(|range| range.start);
+        if ranges.windows(2).any(|pair| pair[1].start < pair[0].end) {
+            return Err("two files in it share bytes; write it with `usdzip`".to_owned());
         }
         Ok(archive)
     }

@@ -56,26 +56,25 @@ impl Cameras {
                 entries.push(("to_world", matrix(&pose)));
                 entries.push(("fov", Value::Float(fov.to_degrees().clamp(1.0e-3, 179.9))));
                 entries.push(("fov_axis", Value::Text("x".into())));
+                entries.push(("principal_point_offset_x", Value::Float(offsets[0])));
+                entries.push(("principal_point_offset_y", Value::Float(-offsets[1])));
                 let stop = positive("fStop", 0.0)?;
                 match (stop, positive("focusDistance", 0.0)?) {
                     (Some(stop), Some(distance)) => {
                         entries.push(("aperture_radius", Value::Float(UNIT * focal_length / (2.0 * stop))));
                         entries.push(("focus_distance", Value::Float(distance)));
-                        if offsets != [0.0; 2] {
-                            prim.asset.warn_of(&prim.path, "its aperture offsets are ignored, because it has a lens");
-                        }
                         "thinlens"
                     }
-                    _ => {
-                        entries.push(("principal_point_offset_x", Value::Float(offsets[0])));
-                        entries.push(("principal_point_offset_y", Value::Float(-offsets[1])));
-                        "perspective"
-                    }
+                    _ => "perspective",
                 }
             }
         };
         if prim.read("clippingPlanes", |value| Some(value.clone()))?.is_some_and(|value| has_elements(&value)) {
             prim.asset.warn_of(&prim.path, "its clipping planes are not rendered");
+        }
+        let is_exposed = prim.names().any(|name| name.starts_with("exposure:"));
+        if is_exposed || prim.number("exposure", 0.0)? != 0.0 {
+            prim.asset.warn_of(&prim.path, "its exposure is ignored; choose one for the picture");
         }
         let film = object(
             Kind::Film,
@@ -90,6 +89,16 @@ impl Cameras {
             .fold(object(Kind::Sensor, plugin, []), |sensor, (name, value)| sensor.with(name, value));
         self.sensors.push((prim.name().to_owned(), sensor.with("film", nested(film))));
         Ok(())
+    }
+
+    /// Number of cameras.
+    pub fn len(&self) -> usize {
+        self.sensors.len()
+    }
+
+    /// Forgets the cameras after the first ones.
+    pub fn truncate(&mut self, count: usize) {
+        self.sensors.truncate(count);
     }
 
     pub fn is_empty(&self) -> bool {

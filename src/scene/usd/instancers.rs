@@ -23,7 +23,9 @@ pub(super) fn placed(prim: &Prim, made: &mut Made) -> Result<Vec<(sdf::Path, DMa
     }
     let scales = prim.read("scales", values::triples)?.unwrap_or_default();
     let ids = prim.read("ids", values::indices)?.unwrap_or_default();
-    let hidden: HashSet<usize> = prim.read("invisibleIds", values::indices)?.unwrap_or_default().into_iter().collect();
+    let mut hidden: HashSet<usize> =
+        prim.read("invisibleIds", values::indices)?.unwrap_or_default().into_iter().collect();
+    hidden.extend(inactive(prim)?);
     if positions.len() < chosen.len() {
         return Err(fault("it has more `protoIndices` than `positions`".to_owned()));
     }
@@ -43,4 +45,17 @@ pub(super) fn placed(prim: &Prim, made: &mut Made) -> Result<Vec<(sdf::Path, DMa
         placed.push((prototype.clone(), own));
     }
     Ok(placed)
+}
+
+/// Instances that the metadata `inactiveIds` leaves out.
+fn inactive(prim: &Prim) -> Result<Vec<usize>> {
+    let list = prim.asset.stage.attribute(prim.path.clone()).get_metadata::<sdf::Value>("inactiveIds");
+    let list = list.map_err(|error| prim.asset.fault(&prim.path, &error))?;
+    Ok(match list {
+        Some(sdf::Value::Int64ListOp(list)) => {
+            list.flatten().into_iter().filter_map(|id| usize::try_from(id).ok()).collect()
+        }
+        Some(value) => values::indices(&value).unwrap_or_default(),
+        None => Vec::new(),
+    })
 }

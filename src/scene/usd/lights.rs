@@ -111,7 +111,11 @@ pub(super) fn lamp(prim: &Prim, world: &DMat4, is_z_up: bool, materials: &mut Ma
             let size = DMat4::from_scale(DVec3::new(radius, radius, length))
                 * DMat4::from_translation(DVec3::new(0.0, 0.0, -0.5));
             let pose = rigid(world) * along * size;
-            light.shape("cylinder", &pose, rgb(radiance, factor), materials).map(Some)
+            if light.cone()?.is_some() {
+                warn("its cone is ignored: a cylinder shines to all sides");
+            }
+            let emitter = object(Kind::Emitter, "area", [("radiance", rgb(radiance, factor))]);
+            Ok(Some(Lamp::Shape(shining("cylinder", &pose, emitter, materials))))
         }
         "PortalLight" => {
             warn("a portal is nothing by itself: the light of its dome comes through every opening");
@@ -126,7 +130,7 @@ pub(super) fn lamp(prim: &Prim, world: &DMat4, is_z_up: bool, materials: &mut Ma
 
 /// Emitter of what a mesh emits by the schema `MeshLightAPI`; `None` where the mesh is no light.
 pub(super) fn mesh_light(prim: &Prim) -> Result<Option<Object>> {
-    if !prim.has("inputs:intensity") && !prim.has("light:shaderId") || !prim.has_schema("MeshLightAPI")? {
+    if !prim.has_schema("MeshLightAPI")? {
         return Ok(None);
     }
     let light = Light { prim };
@@ -151,8 +155,7 @@ fn dome(
     };
     let format = light.text("texture:format")?.unwrap_or_default();
     if !["", "automatic", "latlong"].contains(&&*format) {
-        let message =
-            format!("its image is in the format `{format}`, which is not read; its mean color is not, either");
+        let message = format!("its image is in the format `{format}`, which is not read; it is dark");
         prim.asset.warn_of(&prim.path, message);
         return Ok(None);
     }
@@ -238,12 +241,15 @@ impl Light<'_, '_> {
 
     /// Half angles of its cone and of its beam in degrees; `None` where it shines to all sides.
     fn cone(&self) -> Result<Option<(f64, f64)>> {
-        let angle = self.number("shaping:cone:angle", 180.0)?;
-        if angle >= 180.0 || angle <= 0.0 {
+        // The schema's default holds where the schema is applied.
+        let default = if self.prim.has_schema("ShapingAPI")? { 90.0 } else { 180.0 };
+        let angle = self.number("shaping:cone:angle", default)?;
+        if angle >= 180.0 {
             return Ok(None);
         }
         let softness = self.number("shaping:cone:softness", 0.0)?.clamp(0.0, 1.0);
-        Ok(Some((angle.max(0.2), angle * (1.0 - softness))))
+        let angle = angle.max(0.2);
+        Ok(Some((angle, angle * (1.0 - softness))))
     }
 
     /// Resolved path of its image.
@@ -289,11 +295,16 @@ impl Light<'_, '_> {
                 object(Kind::Emitter, "spotarea", entries)
             }
         };
-        let black = object(Kind::Bsdf, "diffuse", [("reflectance", color([0.0; 3]))]);
-        let id = materials.add("light", black);
-        let entries = [("to_world", matrix(pose)), ("bsdf", Value::Reference(id)), ("emitter", nested(emitter))];
-        Ok(Lamp::Shape(object(Kind::Shape, plugin, entries)))
+        Ok(Lamp::Shape(shining(plugin, pose, emitter, materials)))
     }
+}
+
+/// Shape that has an emitter, and reflects nothing.
+fn shining(plugin: &'static str, pose: &DMat4, emitter: Object, materials: &mut Materials) -> Object {
+    let black = object(Kind::Bsdf, "diffuse", [("reflectance", color([0.0; 3]))]);
+    let id = materials.add("light", black);
+    let entries = [("to_world", matrix(pose)), ("bsdf", Value::Reference(id)), ("emitter", nested(emitter))];
+    object(Kind::Shape, plugin, entries)
 }
 
 fn rgb(radiance: [f64; 3], factor: f64) -> Value {

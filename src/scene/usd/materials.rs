@@ -97,7 +97,7 @@ impl Materials {
             }
             None => {
                 let shown = match display.varies {
-                    true => vertex_color(),
+                    true => nested(vertex_color()),
                     false => color(display.color.unwrap_or(NO_COLOR).map(|channel| channel.clamp(0.0, 1.0) as f32)),
                 };
                 let bsdf = two_sided(object(Kind::Bsdf, "diffuse", [("reflectance", shown)]));
@@ -237,7 +237,8 @@ impl Reader<'_, '_> {
                 Base::Vertices
             }
             Some(Input::Primvar(primvar)) if primvar == "displayColor" => {
-                Base::Constant(display.color.unwrap_or(NO_COLOR))
+                let rgb = display.color.unwrap_or(NO_COLOR);
+                Base::Constant(rgb.map(|channel| (channel * weight).clamp(0.0, 1.0)))
             }
             Some(Input::Primvar(primvar)) => {
                 colors = Some(primvar);
@@ -252,7 +253,7 @@ impl Reader<'_, '_> {
             Base::Texture(texture) => {
                 nested(scaled(self.images.color(self.surface.asset, texture)?, [weight.clamp(0.0, 1.0) as f32; 3]))
             }
-            Base::Vertices => vertex_color(),
+            Base::Vertices => nested(scaled(vertex_color(), [weight.clamp(0.0, 1.0) as f32; 3])),
         };
         let roughness = self.number(names.roughness, names.default_roughness, "number", |value| value)?;
         let mut bsdf = match specular_workflow {
@@ -264,6 +265,12 @@ impl Reader<'_, '_> {
             }
         };
         bsdf = bsdf.with("roughness", roughness);
+        if self.constant(names.specular_weight, 1.0)? != 1.0 {
+            self.warn(&format!(
+                "its `{}` is ignored; highlights follow its index of refraction",
+                names.specular_weight
+            ));
+        }
         let coat = self.constant(names.coat, 0.0)?.clamp(0.0, 1.0);
         if coat > 0.0 {
             let roughness = self.constant(names.coat_roughness, names.default_coat_roughness)?.clamp(0.0, 1.0);
@@ -374,8 +381,8 @@ enum Base {
     Vertices,
 }
 
-fn vertex_color() -> Value {
-    nested(object(Kind::Texture, "mesh_attribute", [("name", Value::Text("vertex_color".into()))]))
+fn vertex_color() -> Object {
+    object(Kind::Texture, "mesh_attribute", [("name", Value::Text("vertex_color".into()))])
 }
 
 fn masked(surface: Object, opacity: Option<Value>) -> Object {

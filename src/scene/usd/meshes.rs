@@ -30,11 +30,34 @@ pub(super) struct Faces {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Shown {
     /// Primvar of texture coordinates.
-    pub uvs: Option<String>,
+    pub uvs: Option<Named>,
     /// Primvar of colors.
-    pub colors: Option<String>,
+    pub colors: Option<Named>,
     /// Whether the triangles are turned over, because the shape is mirrored.
     pub is_mirrored: bool,
+}
+
+/// A primvar of a mesh.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Named {
+    pub name: String,
+    /// Parent that the mesh has it from; `None` where it is its own.
+    pub parent: Option<sdf::Path>,
+}
+
+impl Named {
+    fn read<T>(
+        &self,
+        prim: &Prim,
+        counts: Counts,
+        of: impl Fn(&sdf::Value) -> Option<Vec<T>>,
+    ) -> Result<Option<Primvar<T>>> {
+        let name = format!("primvars:{}", self.name);
+        match &self.parent {
+            Some(parent) => Primvar::read(&prim.asset.prim(parent)?, &name, Interpolation::Constant, counts, of),
+            None => Primvar::read(prim, &name, Interpolation::Constant, counts, of),
+        }
+    }
 }
 
 impl Faces {
@@ -89,13 +112,15 @@ impl Faces {
     /// Mesh of some of the faces, or of all; `None` where there are no triangles.
     pub fn mesh(&self, prim: &Prim, shown: &Shown, part: Option<&[usize]>) -> Result<Option<Mesh>> {
         let normals = self.normals(prim)?;
-        let read_uvs = |name: &String| {
-            Primvar::read(prim, &format!("primvars:{name}"), Interpolation::Constant, self.counts, values::pairs)
-        };
-        let uvs = shown.uvs.as_ref().map(read_uvs).transpose()?.flatten();
-        let read_colors = |name: &String| {
-            Primvar::read(prim, &format!("primvars:{name}"), Interpolation::Constant, self.counts, values::triples)
-        };
+        let read_uvs = |named: &Named| named.read(prim, self.counts, values::pairs);
+        let mut uvs = shown.uvs.as_ref().map(read_uvs).transpose()?.flatten();
+        if let (Some(named), None) = (&shown.uvs, &uvs) {
+            let message =
+                format!("it lacks the primvar `{}` that its textures ask for; they are read at (0, 0)", named.name);
+            prim.asset.warn_of(&prim.path, message);
+            uvs = Some(Primvar::constant([0.0; 2]));
+        }
+        let read_colors = |named: &Named| named.read(prim, self.counts, values::triples);
         let colors = shown.colors.as_ref().map(read_colors).transpose()?.flatten();
         let all: Vec<usize>;
         let faces = match part {
@@ -135,7 +160,7 @@ impl Faces {
                             mesh.uvs.push(Vec2::new(s as f32, (1.0 - t) as f32));
                         }
                         if let Some(primvar) = &colors {
-                            mesh.colors.push(vector(primvar.values[color as usize]).max(Vec3::ZERO));
+                            mesh.colors.push(vector(primvar.values[color as usize]).clamp(Vec3::ZERO, Vec3::ONE));
                         }
                         *free.insert(vertex)
                     }

@@ -23,7 +23,11 @@ mod transforms;
 mod values;
 mod walk;
 
+use std::any::Any;
+use std::cell::RefCell;
+use std::panic;
 use std::path::Path;
+use std::sync::Once;
 use std::thread;
 
 use super::description::Description;
@@ -42,14 +46,58 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Descript
     let time = time(defines).map_err(|message| Error::scene(path, None, message))?;
     let result = thread::scope(|scope| {
         let thread = thread::Builder::new().name("USD".to_owned()).stack_size(STACK);
-        thread.spawn_scoped(scope, || describe(path, time)).map(|handle| handle.join())
+        let work = || {
+            quiet();
+            let work = panic::AssertUnwindSafe(|| describe(path, time));
+            panic::catch_unwind(work).unwrap_or_else(|fault| Err(Error::scene(path, None, failure(&*fault))))
+        };
+        thread.spawn_scoped(scope, work).map(|handle| handle.join())
     });
     match result {
         Ok(Ok(description)) => description,
-        // The parser ends a thread where a file is damaged in a way that it does not expect.
-        Ok(Err(_)) => Err(Error::scene(path, None, "it is a damaged USD file; save it again")),
+        Ok(Err(fault)) => Err(Error::scene(path, None, failure(&*fault))),
         Err(error) => Err(Error::scene(path, None, format!("no thread to read it can be started: {error}"))),
     }
+}
+
+thread_local! {
+    /// Where the reader failed; `None` on threads that read no USD.
+    static PLACE: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Keeps the place where this thread panics, in place of a message. The parser panics at some files that it does not expect.
+fn quiet() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            let is_kept = PLACE.with_borrow_mut(|place| match (place, info.location()) {
+                (Some(place), Some(location)) => {
+                    *place = format!("{}:{}", place_of(location.file()), location.line());
+                    true
+                }
+                (place, _) => place.is_some(),
+            });
+            if !is_kept {
+                usual(info);
+            }
+        }));
+    });
+    PLACE.set(Some("a place that is not known".to_owned()));
+}
+
+/// Path of a source file from the folder of its crate.
+fn place_of(file: &str) -> &str {
+    let start = file.rfind("/src/").and_then(|end| file[..end].rfind('/'));
+    start.map_or(file, |start| &file[start + 1..])
+}
+
+/// Sentence about a panic.
+fn failure(fault: &(dyn Any + Send)) -> String {
+    let text = fault.downcast_ref::<String>().map(String::as_str).or_else(|| fault.downcast_ref::<&str>().copied());
+    let text = quoted::message(&text.unwrap_or("it does not say why"));
+    let place = PLACE.take().unwrap_or_else(|| "a place that is not known".to_owned());
+    format!("the reader of USD failed at {place} ({text}); the file may be damaged: save it again")
 }
 
 fn describe(path: &Path, time: Option<f64>) -> Result<Description> {
@@ -73,7 +121,8 @@ fn time(defines: &[(String, String)]) -> Result<Option<f64>, String> {
     let mut time = None;
     for (name, value) in defines {
         if name != "time" {
-            return Err(format!("-D {name}: a USD file has only the value `time`; leave it out"));
+            let option = if name == "variant" { "--variant, or " } else { "" };
+            return Err(format!("{option}-D {name}: a USD file has only the value `time`; leave it out"));
         }
         let seconds = value.trim().parse().ok().filter(|seconds: &f64| seconds.is_finite());
         let word = quoted::word(value);

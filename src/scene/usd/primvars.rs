@@ -1,5 +1,10 @@
 //! Primvars: values on a shape, with their interpolation.
 
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use openusd::sdf;
+
 use super::asset::Prim;
 use super::values;
 use crate::Result;
@@ -15,6 +20,46 @@ pub(super) enum Interpolation {
     Vertex,
     /// One for each corner of each face.
     FaceVarying,
+}
+
+/// Constant primvars that prims have from their parents: the parent of each, by the name without `primvars:`.
+#[derive(Clone, Default)]
+pub(super) struct Inherited(Rc<BTreeMap<String, sdf::Path>>);
+
+impl Inherited {
+    /// What the prims below a prim inherit, whose parent has these.
+    pub fn below(&self, prim: &Prim) -> Result<Self> {
+        let mut below = self.clone();
+        for name in prim.names() {
+            let Some(short) = name.strip_prefix("primvars:").filter(|short| !short.contains(':')) else { continue };
+            if prim.value(name)?.is_none() {
+                continue;
+            }
+            let interpolation = prim.metadata(name, "interpolation")?;
+            let is_constant =
+                interpolation.as_ref().and_then(values::text).is_none_or(|interpolation| interpolation == "constant");
+            let map = Rc::make_mut(&mut below.0);
+            // One that varies is that of a shape, and hides those above.
+            match is_constant {
+                true => map.insert(short.to_owned(), prim.path.clone()),
+                false => map.remove(short),
+            };
+        }
+        Ok(below)
+    }
+
+    /// Parent that a prim has a primvar from; `None` where it has its own, or none at all.
+    pub fn parent(&self, prim: &Prim, name: &str) -> Result<Option<sdf::Path>> {
+        match prim.value(&format!("primvars:{name}"))? {
+            Some(_) => Ok(None),
+            None => Ok(self.0.get(name).cloned()),
+        }
+    }
+
+    /// Words that tell apart what is inherited.
+    pub fn key(&self) -> String {
+        self.0.iter().map(|(name, path)| format!("{name} {path} ")).collect()
+    }
 }
 
 /// Values on a shape.
@@ -90,6 +135,11 @@ impl<T> Primvar<T> {
 }
 
 impl<T> Primvar<T> {
+    /// One value for the whole shape.
+    pub fn constant(value: T) -> Self {
+        Self { values: vec![value], indices: None, interpolation: Interpolation::Constant }
+    }
+
     /// One value for each point.
     pub fn of_points(values: Vec<T>) -> Self {
         Self { values, indices: None, interpolation: Interpolation::Vertex }

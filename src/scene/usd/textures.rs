@@ -1,6 +1,6 @@
 //! Images and textures (`UsdUVTexture`).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ impl Texture {
     pub fn of(shader: &Prim, output: &str) -> Result<Source> {
         let asset = shader.asset;
         let four =
-            |name: &str, default| -> Result<[f64; 4]> { Ok(shader.read(name, values::four)?.unwrap_or(default)) };
+            |name: &str, default| -> Result<[f64; 4]> { Ok(input(shader, name, values::four)?.unwrap_or(default)) };
         let fallback: [f64; 4] = four("inputs:fallback", [0.0, 0.0, 0.0, 1.0])?;
         let (holder, name) = followed(shader, "inputs:file")?;
         let file = holder.value(&name)?;
@@ -77,8 +77,9 @@ impl Texture {
             return Ok(Source::Constant(fallback));
         };
         let (primvar, to_st) = coordinates(shader)?;
-        let wrap =
-            |name: &str| -> Result<String> { Ok(shader.text(name)?.unwrap_or_else(|| "useMetadata".to_owned())) };
+        let wrap = |name: &str| -> Result<String> {
+            Ok(input(shader, name, values::text)?.unwrap_or("useMetadata".to_owned()))
+        };
         let (wrap_s, wrap_t): (String, String) = (wrap("inputs:wrapS")?, wrap("inputs:wrapT")?);
         let mode = |wrap: &str| match wrap {
             "clamp" | "black" => "clamp",
@@ -92,7 +93,7 @@ impl Texture {
         if wrap_s == "black" || wrap_t == "black" {
             asset.warn_of(&shader.path, "the wrap mode `black` is rendered as `clamp`");
         }
-        let space = match shader.text("inputs:sourceColorSpace")?.as_deref() {
+        let space = match input(shader, "inputs:sourceColorSpace", values::text)?.as_deref() {
             Some("raw") => ColorSpace::Raw,
             Some("sRGB") => ColorSpace::Srgb,
             _ => ColorSpace::Auto,
@@ -146,6 +147,12 @@ pub(super) fn followed<'a>(shader: &Prim<'a>, name: &str) -> Result<(Prim<'a>, S
     Ok((prim, name))
 }
 
+/// Value of an input, along connections.
+fn input<T>(shader: &Prim, name: &str, of: impl Fn(&UsdValue) -> Option<T>) -> Result<Option<T>> {
+    let (holder, name) = followed(shader, name)?;
+    holder.read(&name, of)
+}
+
 /// Name of the primvar that a texture's `st` reads, and the transform of its values.
 fn coordinates(shader: &Prim) -> Result<(String, DMat3)> {
     let asset = shader.asset;
@@ -166,13 +173,18 @@ fn coordinates(shader: &Prim) -> Result<(String, DMat3)> {
             break;
         }
         let pair = |name: &str, default: [f64; 2]| -> Result<[f64; 2]> {
-            Ok(node.read(name, values::pairs)?.and_then(|list| list.first().copied()).unwrap_or(default))
+            Ok(input(&node, name, values::pairs)?.and_then(|list| list.first().copied()).unwrap_or(default))
         };
         let [scale, offset]: [[f64; 2]; 2] = [pair("inputs:scale", [1.0; 2])?, pair("inputs:translation", [0.0; 2])?];
-        let angle = node.number("inputs:rotation", 0.0)?.to_radians();
+        let angle = input(&node, "inputs:rotation", values::number)?.filter(|angle| angle.is_finite()).unwrap_or(0.0);
+        let angle = angle.to_radians();
         let own = DMat3::from_translation(offset.into()) * DMat3::from_angle(angle) * DMat3::from_scale(scale.into());
         to_st *= own;
-        (node, _) = followed(&node, "inputs:in")?;
+        let (next, _) = followed(&node, "inputs:in")?;
+        if next.path == node.path {
+            break;
+        }
+        node = next;
     }
     Ok(("st".to_owned(), to_st))
 }
@@ -181,6 +193,8 @@ fn coordinates(shader: &Prim) -> Result<(String, DMat3)> {
 #[derive(Default)]
 pub(super) struct Images {
     decoded: HashMap<String, Rc<TexelImage>>,
+    /// Paths of decoded images that have fewer than three channels.
+    gray: HashSet<String>,
     /// Images in memory, by name.
     files: HashMap<String, Arc<[u8]>>,
     /// Name of each image of an archive, by its path.
@@ -307,7 +321,10 @@ impl Images {
         Ok(match texture.space {
             ColorSpace::Raw => true,
             ColorSpace::Srgb => false,
-            ColorSpace::Auto => !matches!(self.decode(asset, texture)?.texels, FileTexels::Bytes(_)),
+            ColorSpace::Auto => {
+                let is_bytes = matches!(self.decode(asset, texture)?.texels, FileTexels::Bytes(_));
+                !is_bytes || self.gray.contains(&texture.path)
+            }
         })
     }
 
@@ -321,6 +338,9 @@ impl Images {
         let name = Path::new(texture.path.trim_end_matches(']'));
         let decoded = Rc::new(texels::decode(name, &bytes).map_err(|error| fault(&error))?);
         self.budget.take(&decoded).map_err(|message| fault(&message))?;
+        if texels::channels(&bytes).is_some_and(|count| count < 3) {
+            self.gray.insert(texture.path.clone());
+        }
         self.decoded.insert(texture.path.clone(), Rc::clone(&decoded));
         Ok(decoded)
     }

@@ -15,8 +15,8 @@ use super::curves;
 use super::instancers;
 use super::lights::{self, Lamp, is_light};
 use super::materials::{Covering, Display, Materials, plain};
-use super::meshes::{self, Faces, Shown};
-use super::primvars::{Counts, Interpolation, Primvar};
+use super::meshes::{self, Faces, Named, Shown};
+use super::primvars::{Counts, Inherited, Interpolation, Primvar};
 use super::solids::{self, Solid, is_solid};
 use super::transforms::{self, Local};
 use super::values;
@@ -39,6 +39,24 @@ pub(super) struct State {
     pub world: DMat4,
     pub purpose: Rc<str>,
     pub bindings: Bindings,
+    pub primvars: Inherited,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        let (bindings, primvars) = (Bindings::default(), Inherited::default());
+        Self { world: DMat4::IDENTITY, purpose: Rc::from("default"), bindings, primvars }
+    }
+}
+
+impl State {
+    /// State of a prim with its own purpose and bindings.
+    fn named(&self, prim: &Prim) -> Result<Self> {
+        // A prim without a type has no purpose.
+        let purpose = if prim.kind.is_empty() { None } else { prim.text("purpose")? };
+        let purpose = purpose.map_or_else(|| Rc::clone(&self.purpose), Rc::from);
+        Ok(Self { purpose, bindings: self.bindings.of(prim)?, ..self.clone() })
+    }
 }
 
 /// Facts that decide a mesh: path of its prim, index of its part, and what it shows.
@@ -69,6 +87,8 @@ pub(super) struct Walk<'a> {
     meshes: HashMap<MeshKey, Option<Arc<Mesh>>>,
     /// Whether the prims belong to a group.
     is_in_group: bool,
+    /// Whether a prim of the group has a place of its own in the stage.
+    has_reset: bool,
     /// Number of names given to shapes.
     count: usize,
     subdivided: usize,
@@ -88,6 +108,7 @@ impl<'a> Walk<'a> {
             known_groups: HashMap::new(),
             meshes: HashMap::new(),
             is_in_group: false,
+            has_reset: false,
             count: 0,
             subdivided: 0,
         }
@@ -100,7 +121,7 @@ impl<'a> Walk<'a> {
         let roots = self.asset.stage.prim(root).children().map_err(fault)?;
         // Lodestar's pictures and environments have +y up.
         let world = if self.is_z_up { DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2) } else { DMat4::IDENTITY };
-        let state = State { world, purpose: Rc::from("default"), bindings: Bindings::default() };
+        let state = State { world, ..State::default() };
         roots.iter().try_for_each(|prim| self.visit(prim.path(), &state, 0))?;
         if self.subdivided > 0 {
             let count = self.subdivided;
@@ -126,32 +147,31 @@ impl<'a> Walk<'a> {
         if prim.text("visibility")?.as_deref() == Some("invisible") {
             return Ok(());
         }
-        let purpose = match &*state.purpose {
-            "default" => prim.text("purpose")?.map_or_else(|| Rc::clone(&state.purpose), Rc::from),
-            _ => Rc::clone(&state.purpose),
-        };
-        if matches!(&*purpose, "guide" | "proxy") {
-            return Ok(());
-        }
         let Local { matrix: local, resets } = transforms::local(&prim)?;
+        self.has_reset |= resets;
         let world = if resets { self.root() * local } else { state.world * local };
-        let state = State { world, purpose, bindings: state.bindings.of(&prim)? };
+        let state = State { world, primvars: state.primvars.clone(), ..state.named(&prim)? };
+        let is_shown = !matches!(&*state.purpose, "guide" | "proxy");
         match &*prim.kind {
             "Material" | "Shader" | "NodeGraph" | "GeomSubset" => return Ok(()),
-            "Mesh" => self.mesh(&prim, &state)?,
+            "Mesh" if is_shown => self.mesh(&prim, &state)?,
             "Camera" => self.cameras.add(&prim, &state.world)?,
             "PointInstancer" => return self.instancer(&prim, &state, depth),
-            "BasisCurves" => self.curves(&prim, &state)?,
-            kind if is_solid(kind) => self.solid(&prim, &state)?,
-            kind if is_light(kind) => self.light(&prim, &state)?,
-            kind if NOT_RENDERED.contains(&kind) => {
+            "BasisCurves" if is_shown => self.curves(&prim, &state)?,
+            kind if is_solid(kind) && is_shown => self.solid(&prim, &state)?,
+            kind if is_light(kind) && is_shown => self.light(&prim, &state)?,
+            kind if NOT_RENDERED.contains(&kind) && is_shown => {
                 self.asset.warn(format!("prims of the type `{kind}` are not rendered"));
             }
             _ => {}
         }
-        if handle.is_instance().map_err(fault)? && !self.is_in_group {
+        let state = State { primvars: state.primvars.below(&prim)?, ..state };
+        if handle.is_instance().map_err(fault)?
+            && !self.is_in_group
+            && let Some(bound) = state.bindings.key()
+        {
             let prototype = handle.prototype().map_err(fault)?;
-            let key = format!("{prototype:?} {} {}", state.purpose, state.bindings.key());
+            let key = format!("{prototype:?} {} {bound} {}", state.purpose, state.primvars.key());
             let children = |walk: &mut Self, world: DMat4| {
                 let state = State { world, ..state.clone() };
                 prim.children()?.iter().try_for_each(|child| walk.visit(child, &state, depth + 1))
@@ -173,13 +193,37 @@ impl<'a> Walk<'a> {
 
     /// Shows the prototypes of a point instancer.
     fn instancer(&mut self, prim: &Prim<'a>, state: &State, depth: usize) -> Result<()> {
+        let mut states: HashMap<sdf::Path, State> = HashMap::new();
         for (prototype, own) in instancers::placed(prim, &mut self.made)? {
-            let key = format!("{prototype} {} {}", state.purpose, state.bindings.key());
+            let above = match states.get(&prototype) {
+                Some(above) => above.clone(),
+                None => {
+                    let mut above = self.above(&prototype)?;
+                    if &*above.purpose == "default" {
+                        above.purpose = Rc::clone(&state.purpose);
+                    }
+                    states.insert(prototype.clone(), above.clone());
+                    above
+                }
+            };
+            // What else a prototype inherits follows from its path.
+            let key = format!("{prototype} {}", above.purpose);
             let visit =
-                |walk: &mut Self, world: DMat4| walk.visit(&prototype, &State { world, ..state.clone() }, depth + 1);
+                |walk: &mut Self, world: DMat4| walk.visit(&prototype, &State { world, ..above.clone() }, depth + 1);
             self.instance(prim, key, &(state.world * own), visit)?;
         }
         Ok(())
+    }
+
+    /// What a prim inherits from its parents, but for its place.
+    fn above(&self, path: &sdf::Path) -> Result<State> {
+        let mut parents: Vec<sdf::Path> = std::iter::successors(path.parent(), sdf::Path::parent).collect();
+        parents.retain(|parent| !parent.is_abs_root());
+        parents.iter().rev().try_fold(State::default(), |state, parent| {
+            let prim = self.asset.prim(parent)?;
+            let primvars = state.primvars.below(&prim)?;
+            Ok(State { primvars, ..state.named(&prim)? })
+        })
     }
 
     /// Shows a group at a place. `visit` visits its prims, in the space of the given transform.
@@ -213,14 +257,16 @@ impl<'a> Walk<'a> {
     }
 
     fn group(&mut self, prim: &Prim<'a>, visit: &impl Fn(&mut Self, DMat4) -> Result<()>) -> Result<Group> {
-        let (shapes, lights) = (std::mem::take(&mut self.shapes), self.lights.len());
-        self.is_in_group = true;
+        let (shapes, lights, cameras) = (std::mem::take(&mut self.shapes), self.lights.len(), self.cameras.len());
+        (self.is_in_group, self.has_reset) = (true, false);
         let visited = visit(self, DMat4::IDENTITY);
         self.is_in_group = false;
         let members = std::mem::replace(&mut self.shapes, shapes);
         visited?;
-        if self.lights.len() > lights || members.iter().any(|(_, shape)| is_spot(shape)) {
+        let has_own_place = self.cameras.len() > cameras || self.has_reset;
+        if has_own_place || self.lights.len() > lights || members.iter().any(|(_, shape)| is_spot(shape)) {
             self.lights.truncate(lights);
+            self.cameras.truncate(cameras);
             return Ok(Group::Impossible);
         }
         if members.is_empty() {
@@ -250,7 +296,7 @@ impl<'a> Walk<'a> {
 
     fn solid(&mut self, prim: &Prim<'a>, state: &State) -> Result<()> {
         let counts = Counts { faces: 1, points: 1, corners: 1 };
-        let covering = self.covering(prim, state.bindings.material(&prim.path), counts)?;
+        let covering = self.covering(prim, state, state.bindings.material(&prim.path), counts)?;
         let solid = solids::solid(prim)?;
         let is_similar = is_similarity(&state.world);
         let shape = match solid {
@@ -271,7 +317,7 @@ impl<'a> Walk<'a> {
 
     fn curves(&mut self, prim: &Prim<'a>, state: &State) -> Result<()> {
         let counts = Counts { faces: 1, points: 1, corners: 1 };
-        let covering = self.covering(prim, state.bindings.material(&prim.path), counts)?;
+        let covering = self.covering(prim, state, state.bindings.material(&prim.path), counts)?;
         self.asset.warn("curves are rendered as tubes of triangles, also flat ones");
         let Some(mut mesh) = curves::mesh(prim, &mut self.made)? else { return Ok(()) };
         if state.world.determinant() < 0.0 {
@@ -321,11 +367,15 @@ impl<'a> Walk<'a> {
         let stored = stored.ok().flatten().map_or_else(|| prim.path.clone(), |stored| stored.path().clone());
         let is_mirrored = state.world.determinant() < 0.0;
         for (index, part, material) in parts {
-            let mut covering = self.covering(prim, material, faces.counts)?;
+            let mut covering = self.covering(prim, state, material, faces.counts)?;
             if let Some(light) = &light {
                 covering.emitter = Some(light.clone());
             }
-            let shown = Shown { uvs: covering.primvar.clone(), colors: covering.colors.clone(), is_mirrored };
+            let named = |name: &Option<String>| -> Result<Option<Named>> {
+                let Some(name) = name.clone() else { return Ok(None) };
+                Ok(Some(Named { parent: state.primvars.parent(prim, &name)?, name }))
+            };
+            let shown = Shown { uvs: named(&covering.primvar)?, colors: named(&covering.colors)?, is_mirrored };
             let key = (stored.clone(), index, shown.clone());
             let mesh = match self.meshes.get(&key) {
                 Some(mesh) => mesh.clone(),
@@ -348,13 +398,23 @@ impl<'a> Walk<'a> {
     }
 
     /// What covers a prim with that material.
-    fn covering(&mut self, prim: &Prim<'a>, material: Option<sdf::Path>, counts: Counts) -> Result<Covering> {
-        let colors = Primvar::read(prim, "primvars:displayColor", Interpolation::Constant, counts, values::triples)?;
+    fn covering(
+        &mut self,
+        prim: &Prim<'a>,
+        state: &State,
+        material: Option<sdf::Path>,
+        counts: Counts,
+    ) -> Result<Covering> {
+        let holder = |name: &str| {
+            state.primvars.parent(prim, name)?.map_or_else(|| Ok(prim.clone()), |parent| prim.asset.prim(&parent))
+        };
+        let shown = holder("displayColor")?;
+        let colors = Primvar::read(&shown, "primvars:displayColor", Interpolation::Constant, counts, values::triples)?;
         // A shape that is no mesh has one color.
         let is_constant = |colors: &Primvar<[f64; 3]>| {
             counts.points == 1 || colors.interpolation == Interpolation::Constant || colors.values.len() == 1
         };
-        let opacity = prim.read("primvars:displayOpacity", values::numbers)?.unwrap_or_default();
+        let opacity = holder("displayOpacity")?.read("primvars:displayOpacity", values::numbers)?.unwrap_or_default();
         let mean = if opacity.is_empty() { 1.0 } else { opacity.iter().sum::<f64>() / opacity.len() as f64 };
         if opacity.iter().any(|value| (value - mean).abs() > 1.0e-3) && material.is_none() {
             self.asset.warn_of(&prim.path, format!("its `displayOpacity` varies; its mean of {mean:.3} is used"));

@@ -154,8 +154,8 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Scene, "camera", "fit|all|NAME|INDEX")
     },
     OptionEntry {
-        short: "Moment of a glTF model's animation",
-        long: "The first animation is shown at that time in seconds. With --frames, $frame stands for the frame's number, as in '$frame/24'. It is \
+        short: "Moment of a glTF or USD animation",
+        long: "The first animation of a glTF model, or a USD stage, is shown at that time in seconds. With --frames, $frame stands for the frame's number, as in '$frame/24'. It is \
                short for -D time=SECONDS.",
         default: "no animation",
         form: Form::MOMENT,
