@@ -198,7 +198,7 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
         writer.record.coating_eta = coating.eta;
         writer.record.coating_specular = coating.specular_reflectance.into();
     }
-    if let Some(sheen) = surface.sheen {
+    if let Some(sheen) = surface.sheen.as_deref() {
         writer.flag(constants::MATERIAL_SHEEN, true);
         writer.record.optical_thickness = sheen.reflectance.value.into();
         writer.link(constants::PARAMETER_SHEEN_REFLECTANCE, sheen.reflectance.texture);

@@ -60,7 +60,7 @@ pub struct SurfaceMaterial {
     /// `coating`.
     pub coating: Option<Coating>,
     /// `sheen`, on a surface without a `coating`.
-    pub sheen: Option<Sheen>,
+    pub sheen: Option<Box<Sheen>>,
 }
 
 impl SurfaceMaterial {

@@ -334,13 +334,13 @@ fn sheens() {
     let given = r#"<rgb name="reflectance" value="0.1, 0.2, 0.3"/><float name="roughness" value="0.7"/>"#;
     let over = surface(&format!(r#"<bsdf type="twosided"><bsdf type="sheen">{given}{RED}</bsdf></bsdf>"#));
     let reflectance = Textured::constant(Vec3::new(0.1, 0.2, 0.3));
-    assert_eq!(over.sheen, Some(Sheen { reflectance, roughness: number(0.7) }));
+    assert_eq!(over.sheen.as_deref(), Some(&Sheen { reflectance, roughness: number(0.7) }));
     assert!(over.two_sided && over.bsdf == surface(RED).bsdf);
     let outside = surface(&format!(r#"<bsdf type="sheen">{given}<bsdf type="twosided">{RED}</bsdf></bsdf>"#));
     assert_eq!(outside, over);
     // Below the sheen alone nothing scatters.
     let alone = surface(r#"<bsdf type="sheen"/>"#);
-    assert_eq!(alone.sheen, Some(Sheen { reflectance: gray(1.0), roughness: number(0.5) }));
+    assert_eq!(alone.sheen.as_deref(), Some(&Sheen { reflectance: gray(1.0), roughness: number(0.5) }));
     assert_eq!(alone.bsdf, Bsdf::Diffuse { reflectance: gray(0.0) });
     // Every part of a choice has it.
     let parts = format!(

@@ -189,7 +189,7 @@ fn faces_have_holes_sides_and_parts() {
 /// Lights have what the formulas of UsdLux say.
 #[test]
 fn lights_are_normalized() {
-    let delta = |body: &str| stage(&format!("{}{body}", square("M", ""))).unwrap().delta_emitters[0].kind.clone();
+    let delta = |body: &str| stage(&format!("{}{body}", square("M", ""))).unwrap().delta_emitters[0].kind;
     let sun = delta("def DistantLight \"L\" { float inputs:intensity = 3\nfloat inputs:angle = 0 }");
     assert!(
         matches!(sun, DeltaKind::Directional { irradiance, direction }

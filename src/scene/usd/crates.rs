@@ -431,12 +431,11 @@ fn unpack(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
         let token = take(1)?[0];
         let length = |short: u8, take: &mut dyn FnMut(usize) -> Option<u8>| {
             let mut length = usize::from(short);
-            while short == 15 {
+            let mut goes_on = short == 15;
+            while goes_on {
                 let more = take(1)?;
                 length += usize::from(more);
-                if more != u8::MAX {
-                    break;
-                }
+                goes_on = more == u8::MAX;
             }
             Some(length)
         };

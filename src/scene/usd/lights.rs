@@ -259,7 +259,7 @@ impl Light<'_, '_> {
         let found = resolved(self.prim.asset, &value);
         let text = super::values::text(&value).unwrap_or_default();
         if found.is_none() && !text.is_empty() {
-            let message = format!("there is no image {}; it shines without", crate::quoted::word(&text));
+            let message = format!("its image is missing ({}); it shines without", crate::quoted::word(&text));
             self.prim.asset.warn_of(&self.prim.path, message);
         }
         Ok(found)

@@ -62,7 +62,7 @@ pub(super) struct Materials {
 enum Input {
     /// Numbers of the input; one number stands for all.
     Constant([f64; 3]),
-    Texture(Texture),
+    Texture(Box<Texture>),
     /// A primvar by its name.
     Primvar(String),
 }
@@ -377,7 +377,7 @@ impl Reader<'_, '_> {
 /// Base color of a surface.
 enum Base {
     Constant([f64; 3]),
-    Texture(Texture),
+    Texture(Box<Texture>),
     Vertices,
 }
 

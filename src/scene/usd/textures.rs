@@ -52,7 +52,7 @@ pub(super) struct Texture {
 
 /// What a `UsdUVTexture` amounts to.
 pub(super) enum Source {
-    Texture(Texture),
+    Texture(Box<Texture>),
     /// Its fallback, because the image cannot be found.
     Constant([f64; 4]),
 }
@@ -71,7 +71,7 @@ impl Texture {
             let message = match name.contains("<UDIM>") || name.contains("<udim>") {
                 true => "images in tiles (UDIM) are not read; its fallback is used".to_owned(),
                 false if name.is_empty() => "it names no image; its fallback is used".to_owned(),
-                false => format!("there is no image {}; its fallback is used", crate::quoted::word(&name)),
+                false => format!("its image is missing ({}); its fallback is used", crate::quoted::word(&name)),
             };
             asset.warn_of(&shader.path, message);
             return Ok(Source::Constant(fallback));
@@ -100,7 +100,7 @@ impl Texture {
         };
         // USD's t points up in the image, Lodestar's v down.
         let turned = DMat3::from_translation(dvec2(0.0, 1.0)) * DMat3::from_scale(dvec2(1.0, -1.0));
-        Ok(Source::Texture(Self {
+        Ok(Source::Texture(Box::new(Self {
             prim: shader.path.clone(),
             path,
             primvar,
@@ -110,7 +110,7 @@ impl Texture {
             scale: four("inputs:scale", [1.0; 4])?,
             bias: four("inputs:bias", [0.0; 4])?,
             output: output.strip_prefix("outputs:").unwrap_or(output).to_owned(),
-        }))
+        })))
     }
 
     /// Index of the channel that is a number; `None` for a color.

@@ -351,7 +351,9 @@ impl<'a> Walk<'a> {
         let (subsets, rest) = meshes::subsets(prim, faces.counts.faces)?;
         let light = lights::mesh_light(prim)?;
         let own = state.bindings.material(&prim.path);
-        let mut parts: Vec<(Option<usize>, Option<Vec<usize>>, Option<sdf::Path>)> = Vec::new();
+        /// Index of a part, its faces and its material.
+        type Piece = (Option<usize>, Option<Vec<usize>>, Option<sdf::Path>);
+        let mut parts: Vec<Piece> = Vec::new();
         if subsets.is_empty() {
             parts.push((None, None, own));
         } else {

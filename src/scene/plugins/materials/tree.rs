@@ -182,7 +182,7 @@ impl Tree {
             if surface.opacity != Textured::constant(1.0) || matches!(surface.bsdf, Bsdf::ThinDielectric { .. }) {
                 return Err("a `sheen` around a material that lets light go straight on is not supported");
             }
-            Ok(SurfaceMaterial { sheen: Some(sheen), ..surface })
+            Ok(SurfaceMaterial { sheen: Some(Box::new(sheen)), ..surface })
         })
     }
 }
