@@ -22,8 +22,7 @@ use super::print::{print_line, report};
 /// direction bin of the guide; --directions sets its side.
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
-    /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), USD (.usd, .usda, .usdc, .usdz), or
-    /// pbrt-v4 (.pbrt)
+    /// The scene: Mitsuba's XML of any version, glTF 2.0, USD or pbrt-v4
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Pixel whose center shows the point.

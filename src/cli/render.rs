@@ -24,8 +24,7 @@ use super::render_args::with;
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
-    /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), USD (.usd, .usda, .usdc, .usdz), or
-    /// pbrt-v4 (.pbrt)
+    /// The scene: Mitsuba's XML of any version, glTF 2.0, USD or pbrt-v4
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     #[command(flatten)]
