@@ -14,7 +14,7 @@ import fake_package
 import pytest
 import view_scenes
 from fake_package import Renderer
-from lodestar import inside, interactive
+from lodestar import export, inside, interactive
 from lodestar.interactive import Interactive
 
 WIDTH, HEIGHT = 96, 64
@@ -197,45 +197,42 @@ def test_what_is_wrong_is_told_in_the_view(view: View3D) -> None:
     assert view.engine.status == "no Vulkan driver found"
 
 
-def test_a_fault_of_an_export_is_told_until_the_scene_changes(view: View3D, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lodestar import export
+class Failing:
+    """An export for which there is no place."""
 
-    view.rest()
-    calls: list[int] = []
+    def __init__(self) -> None:
+        self.calls = 0
 
-    def failing(*_: Any) -> None:
-        calls.append(1)
+    def __call__(self, *_: Any) -> None:
+        self.calls += 1
         raise OSError("the disk is full")
 
+
+def test_a_fault_of_an_export_is_told_until_the_scene_changes(view: View3D, monkeypatch: pytest.MonkeyPatch) -> None:
+    failing = Failing()
+    view.rest()
     with monkeypatch.context() as patch:
         patch.setattr(export, "export_view", failing)
         assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.2)) == 0
         view.rest()
-        assert view.engine.status == "the disk is full" and len(calls) == 1
+        assert view.engine.status == "the disk is full" and failing.calls == 1
     assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.3)) == 1
     assert view.engine.status == "Sample 2/2"
 
 
 def test_a_fault_of_the_first_export_and_of_changed_options_is_told_until_the_scene_changes(view: View3D, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lodestar import export
-
-    calls: list[int] = []
-
-    def failing(*_: Any) -> None:
-        calls.append(1)
-        raise OSError("the disk is full")
-
+    failing = Failing()
     with monkeypatch.context() as patch:
         patch.setattr(export, "export_view", failing)
         for _ in range(5):
             view.draw()
-        assert view.engine.status == "the disk is full" and len(calls) == 1
+        assert view.engine.status == "the disk is full" and failing.calls == 1
     assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.1)) == 1
     with monkeypatch.context() as patch:
         patch.setattr(export, "export_view", failing)
         bpy.context.scene.lodestar.seed += 1
         view.rest()
-        assert view.engine.status == "the disk is full" and len(calls) == 2
+        assert view.engine.status == "the disk is full" and failing.calls == 2
     # The scene is the same as before the fault, but the seed is another one.
     assert view.renders_after(lambda: setattr(objects()["ball"].location, "x", 0.1)) == 1
     assert view.engine.status == "Sample 2/2"
