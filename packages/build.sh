@@ -8,7 +8,7 @@
 #          lodestar_render-VERSION-*.whl
 #        --compare  first compare the crate's kernels with freshly compiled ones
 #
-# It needs cargo-zigbuild and zig (`pip install cargo-zigbuild ziglang`) and cargo-deb (`cargo install cargo-deb`).
+# It needs cargo-zigbuild and zig (`pip install cargo-zigbuild ziglang`) and cargo-deb (`cargo install cargo-deb`), and zstd.
 # packages/try.sh installs the results in clean roots and renders there.
 set -euo pipefail
 

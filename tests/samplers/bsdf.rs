@@ -276,12 +276,14 @@ fn is_sound(i: &ScatteringInput, o: &ScatteringOutput) -> bool {
     let positive = o.weight.iter().chain(&o.value).chain([&o.pdf]).all(|&x| x >= 0.0);
     let unit = o.lobe == LOBE_NONE || (d3(o.wi).length() - 1.0).abs() < 1.0e-3;
     // A plastic may sample one of its two lobes less often than its brightness asks for. For other kinds, a weight
-    // above 1 is rounding of narrow lobes. Ward's unbalanced models and rough bases have no bound at grazing incidence.
+    // above 1 is rounding of narrow lobes. Ward's unbalanced models have no bound at grazing incidence. A rough base that keeps its
+    // energy reflects at most 1.4 + 1 / cos of what a diffuse one does, where cos is that of the direction farther from the horizon.
     let is_plastic = i.bsdf.scalars[5] > 0.0;
-    let is_unbalanced = i.bsdf.kind_and_flags == BSDF_WARD && i.bsdf.scalars[4] != WARD_BALANCED;
-    let is_unbounded = is_unbalanced || i.bsdf.kind_and_flags & MATERIAL_ENERGY_PRESERVING != 0;
+    let is_unbounded = i.bsdf.kind_and_flags == BSDF_WARD && i.bsdf.scalars[4] != WARD_BALANCED;
+    let is_rough_base = i.bsdf.kind_and_flags & MATERIAL_ENERGY_PRESERVING != 0;
+    let rough = if is_rough_base { 1.4 + 1.0 / i.wo[2].abs().max(o.wi[2].abs()) } else { 1.0 };
     let weight = o.weight[0] * o.eta * o.eta;
-    let energy = o.lobe == LOBE_NONE || is_unbounded || weight < if is_plastic { 2.0 } else { 1.2 };
+    let energy = o.lobe == LOBE_NONE || is_unbounded || weight < rough * if is_plastic { 2.0 } else { 1.2 };
     finite && positive && unit && energy
 }
 

@@ -33,15 +33,19 @@ def deviation(scene: Any, ours: np.ndarray, theirs: np.ndarray) -> float:
     return support.deviation(ours, theirs, support.BLOCK * scene.render.resolution_percentage // 100)
 
 
-@pytest.mark.parametrize("name,samples,block,whole", ROWS, ids=[row[0] for row in ROWS])
-def test_agrees_with_cycles(name: str, samples: int, block: float, whole: float) -> None:
-    scene = scenes.ALL[name]()
-    theirs = support.colors(support.render(scene, "CYCLES", samples, name))
-    ours = support.colors(support.render(scene, "LODESTAR", samples, name))
+def assert_agrees(scene: Any, name: str, samples: int, block: float, whole: float) -> None:
+    """Asserts that blocks of Lodestar's picture differ from Cycles' by less than `block`, and the means by less than `whole`."""
+    theirs = support.colors(support.render(scene, "CYCLES", samples, "beside"))
+    ours = support.colors(support.render(scene, "LODESTAR", samples, "beside"))
     assert ours.shape == theirs.shape
     found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
     print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
     assert found < block and abs(ratio - 1.0) < whole
+
+
+@pytest.mark.parametrize("name,samples,block,whole", ROWS, ids=[row[0] for row in ROWS])
+def test_agrees_with_cycles(name: str, samples: int, block: float, whole: float) -> None:
+    assert_agrees(scenes.ALL[name](), name, samples, block, whole)
 
 
 def test_twin_a_stronger_lamp_is_found() -> None:
@@ -155,20 +159,14 @@ def patches(tree: Any) -> Any:
 @pytest.mark.parametrize("name", [*LAYERS, "patches"])
 def test_principled_layers(name: str) -> None:
     """Layers of a Principled ball on a ground have the brightness that they have in Cycles."""
-    pictures = []
-    for engine in ("CYCLES", "LODESTAR"):
-        scene = scenes.empty()
-        scene.render.resolution_percentage = 50
-        scenes.camera(scene, (0, -4, 1.5), (0, 0, 0.5))
-        scenes.world(scene, (0.5, 0.5, 0.5))
-        scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
-        surface = layered(LAYERS[name]) if name in LAYERS else scenes.material(name, patches)
-        scenes.ball(scene, "ball", 0.6, surface, location=(0, 0, 0.6))
-        pictures.append(support.colors(support.render(scene, engine, 128, "layers")))
-    theirs, ours = pictures
-    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
-    print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
-    assert found < 0.03 and abs(ratio - 1.0) < 0.01
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -4, 1.5), (0, 0, 0.5))
+    scenes.world(scene, (0.5, 0.5, 0.5))
+    scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    surface = layered(LAYERS[name]) if name in LAYERS else scenes.material(name, patches)
+    scenes.ball(scene, "ball", 0.6, surface, location=(0, 0, 0.6))
+    assert_agrees(scene, name, 128, 0.03, 0.01)
 
 
 # Sockets of a Sheen node, and of a Principled one with sheen.
@@ -187,57 +185,39 @@ def test_sheen_under_a_lamp(name: str) -> None:
     """A ball with a sheen under a lamp and a dim sky has the brightness that it has in Cycles, to 2 % of a block and 0.7 % of the mean."""
     sockets = SHEENS[name]
     kind = "ShaderNodeBsdfPrincipled" if "Sheen_Weight" in sockets else "ShaderNodeBsdfSheen"
-    pictures = []
-    for engine in ("CYCLES", "LODESTAR"):
-        scene = scenes.empty()
-        scene.render.resolution_percentage = 50
-        scenes.camera(scene, (0, -4, 1.2), (0, 0, 0.0), type="ORTHO", ortho_scale=1.3)
-        scenes.world(scene, (0.2, 0.2, 0.2))
-        scenes.lamp(scene, "AREA", (-2.0, 1.0, 2.5), (0.6, -0.9, 0.0), energy=150.0, size=1.5)
-        scenes.ball(scene, "ball", 0.6, scenes.simple(name, kind, **sockets))
-        pictures.append(support.colors(support.render(scene, engine, 256, "sheen")))
-    theirs, ours = pictures
-    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
-    print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
-    assert found < 0.02 and abs(ratio - 1.0) < 0.007
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -4, 1.2), (0, 0, 0.0), type="ORTHO", ortho_scale=1.3)
+    scenes.world(scene, (0.2, 0.2, 0.2))
+    scenes.lamp(scene, "AREA", (-2.0, 1.0, 2.5), (0.6, -0.9, 0.0), energy=150.0, size=1.5)
+    scenes.ball(scene, "ball", 0.6, scenes.simple(name, kind, **sockets))
+    assert_agrees(scene, name, 256, 0.02, 0.007)
 
 
 @pytest.mark.skipif(bpy.app.version < (4, 3, 0), reason="Blender 4.2 has no Diffuse Roughness")
 @pytest.mark.parametrize("roughness,level", [(0.3, 0.5), (1.0, 0.5), (1.0, 0.0)])
 def test_a_rough_base_under_a_lamp(roughness: float, level: float) -> None:
     """Diffuse Roughness of a Principled ball under a lamp is that of Cycles, to 2 % of a block and 0.7 % of the mean."""
-    pictures = []
-    for engine in ("CYCLES", "LODESTAR"):
-        scene = scenes.empty()
-        scene.render.resolution_percentage = 50
-        scenes.camera(scene, (0, -4, 0.0), (0, 0, 0.0), type="ORTHO", ortho_scale=1.3)
-        scenes.world(scene, (0.1, 0.1, 0.1))
-        scenes.lamp(scene, "SUN", (0.0, -4.0, 2.0), (1.3, 0.0, 0.3), energy=3.0, angle=0.0)
-        sockets = dict(Base_Color=(0.8, 0.5, 0.3), Roughness=0.5, Diffuse_Roughness=roughness, Specular_IOR_Level=level)
-        scenes.ball(scene, "ball", 0.6, scenes.simple("chalk", "ShaderNodeBsdfPrincipled", **sockets))
-        pictures.append(support.colors(support.render(scene, engine, 128, "chalk")))
-    theirs, ours = pictures
-    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
-    print(f"roughness {roughness}, level {level}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
-    assert found < 0.02 and abs(ratio - 1.0) < 0.007
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -4, 0.0), (0, 0, 0.0), type="ORTHO", ortho_scale=1.3)
+    scenes.world(scene, (0.1, 0.1, 0.1))
+    scenes.lamp(scene, "SUN", (0.0, -4.0, 2.0), (1.3, 0.0, 0.3), energy=3.0, angle=0.0)
+    sockets = dict(Base_Color=(0.8, 0.5, 0.3), Roughness=0.5, Diffuse_Roughness=roughness, Specular_IOR_Level=level)
+    scenes.ball(scene, "ball", 0.6, scenes.simple("chalk", "ShaderNodeBsdfPrincipled", **sockets))
+    assert_agrees(scene, f"roughness {roughness}, level {level}", 128, 0.02, 0.007)
 
 
 @pytest.mark.parametrize("roughness", [0.2, 0.5, 1.0])
 def test_a_dielectric_under_a_lamp(roughness: float) -> None:
     """A Principled ball that fills the picture has the brightness that it has in Cycles under a lamp."""
-    pictures = []
-    for engine in ("CYCLES", "LODESTAR"):
-        scene = scenes.empty()
-        scene.render.resolution_percentage = 50
-        scenes.camera(scene, (0, -5, 0), (0, 0, 0), type="ORTHO", ortho_scale=1.3)
-        scenes.world(scene, (0, 0, 0))
-        scenes.lamp(scene, "POINT", (1.5, -3, 2), energy=300, shadow_soft_size=0.3, use_soft_falloff=True)
-        scenes.ball(scene, "ball", 1.0, layered(dict(Base_Color=(0.8, 0.8, 0.8), Roughness=roughness, IOR=1.45)))
-        pictures.append(support.colors(support.render(scene, engine, 128, "lamp")))
-    theirs, ours = pictures
-    found, ratio = deviation(scene, ours, theirs), support.mean_ratio(ours, theirs)
-    print(f"roughness {roughness}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
-    assert found < 0.03 and abs(ratio - 1.0) < 0.01
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -5, 0), (0, 0, 0), type="ORTHO", ortho_scale=1.3)
+    scenes.world(scene, (0, 0, 0))
+    scenes.lamp(scene, "POINT", (1.5, -3, 2), energy=300, shadow_soft_size=0.3, use_soft_falloff=True)
+    scenes.ball(scene, "ball", 1.0, layered(dict(Base_Color=(0.8, 0.8, 0.8), Roughness=roughness, IOR=1.45)))
+    assert_agrees(scene, f"roughness {roughness}", 128, 0.03, 0.01)
 
 
 def test_frames_of_an_animation() -> None:

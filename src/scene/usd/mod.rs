@@ -54,8 +54,7 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Descript
         thread.spawn_scoped(scope, work).map(|handle| handle.join())
     });
     match result {
-        Ok(Ok(description)) => description,
-        Ok(Err(fault)) => Err(Error::scene(path, None, failure(&*fault))),
+        Ok(joined) => joined.unwrap_or_else(|fault| panic::resume_unwind(fault)),
         Err(error) => Err(Error::scene(path, None, format!("no thread to read it can be started: {error}"))),
     }
 }
