@@ -111,10 +111,14 @@ class Meshes:
         positions = _get(mesh.vertices, "co", 3 * len(mesh.vertices), np.float32).reshape(-1, 3)
         vertex_of_loop = _get(mesh.loops, "vertex_index", len(mesh.loops), np.int32)
         normals = _get(mesh.corner_normals, "vector", 3 * len(mesh.loops), np.float32).reshape(-1, 3)
+        # Of a flat face that is not plane, each triangle is flat in Cycles, unless the mesh has normals of its own.
+        is_flat = ~_get(mesh.loop_triangles, "use_smooth", count, bool) & (not mesh.has_custom_normals)
         parts = []
         for slot in np.unique(slots):
             corners = loops[slots == slot].ravel()
-            columns = [positions[vertex_of_loop[corners]], normals[corners]]
+            places = positions[vertex_of_loop[corners]]
+            of_corners = normals[corners]
+            columns = [places, np.where(is_flat[slots == slot].repeat(3)[:, None], _flat(places, of_corners), of_corners)]
             names = ["x", "y", "z", "nx", "ny", "nz"]
             for values, of in (
                 (_uvs(mesh, wanted[slot].uv_map, place, self.report), ("u", "v")),
@@ -141,6 +145,16 @@ class Meshes:
             whole.replace(path)
             self.written += 1
         return name
+
+
+def _flat(places: np.ndarray, of_corners: np.ndarray) -> np.ndarray:
+    """Normals of triangles, for each of their corners. A triangle without an area keeps its corners' normals, and so does one that lies in
+    its face's plane, so that triangles share corners."""
+    a, b, c = np.moveaxis(places.reshape(-1, 3, 3), 1, 0)
+    normals = np.cross((b - a).astype(np.float64), (c - a).astype(np.float64)).repeat(3, axis=0)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    is_other = np.sum(normals * of_corners, axis=1, keepdims=True) < (1.0 - 1e-7) * lengths
+    return np.where(is_other, normals / np.maximum(lengths, 1e-300), of_corners).astype(np.float32)
 
 
 def _turned(corners: np.ndarray) -> np.ndarray:

@@ -220,6 +220,27 @@ def test_a_dielectric_under_a_lamp(roughness: float) -> None:
     assert_agrees(scene, f"roughness {roughness}", 128, 0.03, 0.01)
 
 
+@pytest.mark.parametrize("kind", ["all flat", "one smooth", "custom normals"])
+def test_flat_faces_that_are_not_plane(kind: str) -> None:
+    """A lamp lights flat faces of four corners that do not lie in a plane as in Cycles: by the normals of their triangles, or of corners."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, 0, 4), (0, 0, 0), type="ORTHO", ortho_scale=3.6)
+    scenes.lamp(scene, "SUN", (0, 0, 4), (0.9, 0.0, 0.4), energy=3.0, angle=0.0)
+    hills = scenes.plane(scene, "hills", 4, scenes.diffuse("gray", (0.7, 0.7, 0.7)))
+    mesh = bpy.data.meshes.new("hills")
+    places = [(x - 2, y - 2, 0.3 * (7 * x + 3 * y + x * y) % 0.4) for y in range(5) for x in range(5)]
+    mesh.from_pydata(places, [], [(at, at + 1, at + 6, at + 5) for at in range(20) if at % 5 < 4])
+    mesh.materials.append(hills.data.materials[0])
+    mesh.shade_flat()
+    if kind == "one smooth":
+        mesh.polygons[0].use_smooth = True
+    if kind == "custom normals":
+        mesh.normals_split_custom_set([(0.0, 0.0, 1.0)] * len(mesh.loops))
+    hills.data = mesh
+    assert_agrees(scene, kind, 256, 0.01, 0.006)
+
+
 def test_frames_of_an_animation() -> None:
     """Each frame is rendered with its own scene."""
     scene = scenes.empty()
