@@ -46,11 +46,12 @@ class Material:
     asks_for_smoke: bool = False  # whether the volume may take grids of a fluid domain
 
 
-def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
-    """Translates a material; None stands for Blender's default."""
+def translate(material: Any, images: Images, report: Report, surroundings: Surroundings, scales_glass: bool = True) -> Material:
+    """Translates a material; None stands for Blender's default. Beside color attributes, no program scales what glass transmits."""
     if material is None:
         return Material(principled.default(images), None, None, None, False)
     reader = Reader(f'material "{material.name}"', report, images, surroundings=surroundings, material_index=material.pass_index)
+    reader.scales_glass = scales_glass
     tree = material.node_tree
     if tree is None or not material.use_nodes:
         return Material(diffuse(images, tuple(material.diffuse_color)[:3]), None, None, None, False)
@@ -72,6 +73,8 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     emission = _radiance(closure.emission, images)
     kinds = _kinds_of_textures(element, images) | (_kinds_of_textures(emission, images) if emission is not None else set())
     if "mesh_attribute" in kinds and len(kinds) > 1:
+        if reader.has_scaled_glass:
+            return translate(material, images, report, surroundings, scales_glass=False)
         reader.warn("a color attribute beside other textures is not supported; the color is white")
         _whiten(element)
         if emission is not None:
@@ -375,7 +378,7 @@ class _Translator:
         xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
         reflected, transmitted = self._whole_glass(element, color, ior, node, groups)
         parameter(self.images, element, "specular_reflectance", reflected)
-        parameter(self.images, element, "specular_transmittance", transmitted)
+        parameter(self.images, element, "specular_transmittance", facets.crossing(self.reader, transmitted, ior))
         return Closure(self.relief(element, node, groups))
 
     def _whole_glass(self, element: xml.Element, color: Union[Color, Texture], ior: float, node: Any, groups: Groups) -> Any:

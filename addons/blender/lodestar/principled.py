@@ -296,6 +296,7 @@ class _Principled:
         if abs(self.ior - 1.0) < 1e-4:
             element = xml.add(xml.add(xml.plugin("bsdf", "thindielectric"), "int_ior", 1.0), "ext_ior", 1.0)
             return materials.parameter(self.images, element, "specular_transmittance", tint)
+        tint = facets.crossing(self.reader, tint, self.ior)
         return materials.parameter(self.images, self._dielectric(self.ior), "specular_transmittance", tint)
 
     def _dielectric(self, ior: float) -> xml.Element:

@@ -241,6 +241,28 @@ def test_flat_faces_that_are_not_plane(kind: str) -> None:
     assert_agrees(scene, kind, 256, 0.01, 0.006)
 
 
+# Glass: a node, values of its sockets, and the largest deviations of a block and of the mean. Facets of rough glass differ a little.
+GLASSES = {
+    "smooth": ("ShaderNodeBsdfGlass", dict(Color=(0.9, 0.8, 0.7), Roughness=0.0, IOR=1.5), 0.02, 0.005),
+    "rough": ("ShaderNodeBsdfGlass", dict(Color=(0.9, 0.8, 0.7), Roughness=0.5, IOR=1.5), 0.09, 0.025),
+    "thinner than air": ("ShaderNodeBsdfGlass", dict(Color=(0.9, 0.8, 0.7), Roughness=0.3, IOR=0.85), 0.09, 0.025),
+    "principled": ("ShaderNodeBsdfPrincipled", dict(Base_Color=(0.9, 0.8, 0.7), Roughness=0.4, IOR=1.45, Transmission_Weight=1.0), 0.06, 0.02),
+}
+
+
+@pytest.mark.parametrize("name", GLASSES)
+def test_light_that_leaves_glass_alone(name: str) -> None:
+    """A lamp within glass is as bright as in Cycles, where the radiance of light that leaves glass does not fall by the square of the index."""
+    kind, sockets, block, whole = GLASSES[name]
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -4, 0.0), (0, 0, 0.0), type="ORTHO", ortho_scale=1.5)
+    scenes.world(scene, (0.1, 0.1, 0.1))
+    scenes.ball(scene, "shell", 0.7, scenes.simple(name, kind, **sockets))
+    scenes.ball(scene, "core", 0.3, scenes.simple("core", "ShaderNodeEmission", Color=(1.0, 0.8, 0.6), Strength=1.0))
+    assert_agrees(scene, name, 256, block, whole)
+
+
 def test_frames_of_an_animation() -> None:
     """Each frame is rendered with its own scene."""
     scene = scenes.empty()

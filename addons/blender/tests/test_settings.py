@@ -815,6 +815,20 @@ def test_nodes_of_eevee_are_notes(tmp_path: Path) -> None:
     assert not report.warnings and sum("as in Cycles" in note for note in report.notes) == 4
 
 
+def test_glass_beside_a_color_attribute(tmp_path: Path) -> None:
+    """No program of glass stands beside a color attribute, which would lose its colors."""
+    scene = base()
+
+    def build(tree: Any) -> Any:
+        attribute = scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=tree.nodes.new("ShaderNodeVertexColor").outputs[0])
+        return scenes.mixed(tree, attribute, scenes.shader(tree, "ShaderNodeBsdfGlass", Roughness=0.0))
+
+    scene.objects["ball"].data.materials[0] = scenes.material("both", build)
+    found = exported(tmp_path)
+    assert not any("color attribute beside" in warning for warning in found.report.warnings)
+    assert "mesh_attribute" in found.scene_file.read_text()
+
+
 @pytest.mark.parametrize("kind,has_warning", [("ShaderNodeVolumeAbsorption", False), ("ShaderNodeVolumePrincipled", True)])
 def test_smoke_is_reported_where_a_volume_may_ask_for_it(tmp_path: Path, kind: str, has_warning: bool) -> None:
     """The absorption of a fluid domain is the same everywhere, unless its density is a grid."""
