@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use lodestar::film::PIXEL_BYTES;
 use lodestar::scene::summary::{Guided, Summary, summarize};
-use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, load, scene_file};
+use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, format_names, load, scene_file};
 use lodestar::session::saved_guide::SavedGuide;
 use lodestar::settings::options::form::define;
 use lodestar::{Error, Result, files, quoted};
@@ -18,9 +18,7 @@ use super::print::{print_json, print_line};
 /// it knows.
 #[derive(Debug, Clone, clap::Args)]
 pub struct InfoArgs {
-    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), USD (.usd, .usda,
-    /// .usdc, .usdz), or pbrt-v4 (.pbrt). Or a guide (.guide).
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", help = format!("The scene: {}, or a folder with a scene.xml. Or a guide (.guide)", format_names()))]
     scene: PathBuf,
     /// Value that replaces the scene's default of that name.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]

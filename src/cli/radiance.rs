@@ -8,7 +8,7 @@ use lodestar::film::{self, Picture};
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, png};
 use lodestar::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
-use lodestar::scene::{self, Scene};
+use lodestar::scene::{self, Scene, format_names};
 use lodestar::session::{Options, identity};
 use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
@@ -22,8 +22,7 @@ use super::print::{print_line, report};
 /// direction bin of the guide; --directions sets its side.
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
-    /// The scene: Mitsuba's XML of any version, glTF 2.0, USD or pbrt-v4
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", help = format!("The scene: {}", format_names()))]
     scene: PathBuf,
     /// Pixel whose center shows the point.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]

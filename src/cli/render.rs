@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use lodestar::gpu::Context;
 use lodestar::renderer::learned_guide::LearnedGuide;
+use lodestar::scene::format_names;
 use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
 use lodestar::view::{ViewOptions, Viewers};
 use lodestar::{Error, Result};
@@ -24,8 +25,7 @@ use super::render_args::with;
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
-    /// The scene: Mitsuba's XML of any version, glTF 2.0, USD or pbrt-v4
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", help = format!("The scene: {}", format_names()))]
     pub scene: PathBuf,
     #[command(flatten)]
     pub given: Given<OfRender>,

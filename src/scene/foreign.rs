@@ -1,8 +1,6 @@
 //! Files that are no scenes, by their extensions: what each is, and what to do with it.
 
-/// Formats of scenes, as messages name them.
-pub(super) const FORMATS: &str =
-    "Mitsuba's XML (.xml), glTF 2.0 (.gltf, .glb), USD (.usd, .usda, .usdc, .usdz) or pbrt-v4 (.pbrt)";
+use super::formats;
 
 const EXPORT: &str = "open it in a program such as Blender, and export it as glTF 2.0";
 
@@ -27,5 +25,5 @@ const KINDS: [(&[&str], &str, &str); 6] = [
 /// Sentence about a file with this extension in lower case; `None` where it may be a scene.
 pub(super) fn refusal(extension: &str) -> Option<String> {
     let (_, what, advice) = KINDS.iter().find(|(extensions, ..)| extensions.contains(&extension))?;
-    Some(format!("it is {what}, not a scene in {FORMATS}; {advice}"))
+    Some(format!("it is {what}, not a scene in {}; {advice}", formats::with_extensions()))
 }

@@ -1,15 +1,25 @@
-//! Reader of scenes of any format. The extension of the file tells the format.
+//! Readers of scenes: one for each format. The extension of the file tells the format.
 
 use std::path::Path;
 
 use super::description::Description;
 use super::foreign;
+use super::formats::FORMATS;
+use super::gltf;
 use super::load_options::LoadOptions;
 use super::mitsuba::dictionary::Dictionary;
 use super::mitsuba::{entries, xml};
+use super::pbrt;
 use super::plugins::load::{Watch, build};
+use super::usd;
 use super::whole::Scene;
 use crate::{Error, Result, inputs};
+
+/// Reader of a file. What it does with definitions is the format's.
+type Reader = fn(&Path, &[(String, String)]) -> Result<Description>;
+
+/// Readers of the [`FORMATS`], in their order.
+const READERS: [Reader; FORMATS.len()] = [xml::read, gltf::read, usd::read, pbrt::read];
 
 /// Reads the scene at `path` without reporting progress; see [`load_with_progress`].
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
@@ -27,25 +37,16 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
 /// Description of the scene at `path`. `defines` replace the `<default>`s of XML, and choose the moment and the variant of a model.
 pub(super) fn describe(path: &Path, defines: &[(String, String)]) -> Result<Description> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
-        Some("gltf" | "glb") => super::gltf::read(path, defines),
-        Some("usd" | "usda" | "usdc" | "usdz") => super::usd::read(path, defines),
-        Some("pbrt") => match defines.first() {
-            None => super::pbrt::read(path),
-            Some((name, _)) => {
-                let message = format!("-D {name}: pbrt's scenes have no values that -D replaces; leave it out");
-                Err(Error::scene(path, None, message))
-            }
-        },
-        extension => {
-            if let Some(refusal) = extension.and_then(foreign::refusal) {
-                // A file that is missing is not one of a wrong format.
-                inputs::open(path)?;
-                return Err(Error::scene(path, None, refusal));
-            }
-            xml::read(path, defines)
-        }
+    let extension = extension.to_str().unwrap_or_default();
+    if let Some(format) = FORMATS.iter().position(|(_, extensions)| extensions.contains(&extension)) {
+        return READERS[format](path, defines);
     }
+    if let Some(refusal) = foreign::refusal(extension) {
+        // A file that is missing is not one of a wrong format.
+        inputs::open(path)?;
+        return Err(Error::scene(path, None, refusal));
+    }
+    READERS[0](path, defines)
 }
 
 impl Scene {

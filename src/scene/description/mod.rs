@@ -27,6 +27,8 @@ pub(super) struct Description {
     pub aliases: Vec<Alias>,
     /// Folders in which files are searched.
     pub folders: Folders,
+    /// Whether lights are given in photometric units.
+    pub is_photometric: bool,
     /// Sentences about things that were read but are not rendered exactly.
     pub warnings: Vec<String>,
     /// Faults that did not end the reading.
@@ -62,6 +64,7 @@ impl Description {
             entries,
             aliases: Vec::new(),
             folders: Folders::new(path),
+            is_photometric: false,
             warnings: Vec::new(),
             faults: Faults::default(),
         }

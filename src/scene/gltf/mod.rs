@@ -71,5 +71,5 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Descript
     let ids = objects.iter().map(|(id, _)| id.clone()).collect();
     let objects = cameras.into_objects(ids).into_iter().chain(objects).collect();
     drop(images);
-    Ok(Description::of_objects(path, objects, asset.into_warnings()))
+    Ok(Description { is_photometric: true, ..Description::of_objects(path, objects, asset.into_warnings()) })
 }

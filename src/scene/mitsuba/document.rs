@@ -14,7 +14,7 @@ use crate::scene::description::kinds::{Kind, Type};
 use crate::scene::description::origin::Origin;
 use crate::scene::faults::Faults;
 use crate::scene::folders::Folders;
-use crate::scene::foreign::FORMATS;
+use crate::scene::formats;
 use crate::scene::text::{self, Decoded};
 use crate::{Error, Result, inputs, quoted};
 
@@ -125,13 +125,13 @@ impl Reader {
     fn read_text(&mut self, path: &Path) -> Result<Decoded> {
         let mut decoded = text::decode(inputs::read(path, budget::MOST_BYTES)?).map_err(|(bytes, at)| {
             let message = match bytes.contains(&0) {
-                true => format!("it is no text; a scene is a file in {FORMATS}"),
+                true => format!("it is no text; a scene is a file in {}", formats::with_extensions()),
                 false => "the text is neither UTF-8, nor UTF-16 or Latin-1 that is marked as such".to_owned(),
             };
             Error::scene(path, Some(line_at(&bytes, at)), message)
         })?;
         if self.open_files.is_empty() && !decoded.text.trim_start().starts_with('<') {
-            let message = format!("it is no XML; a scene is a file in {FORMATS}");
+            let message = format!("it is no XML; a scene is a file in {}", formats::with_extensions());
             return Err(Error::scene(path, Some(1), message));
         }
         blank_document_type(&mut decoded.text);

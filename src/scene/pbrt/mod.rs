@@ -73,8 +73,12 @@ use world::Object;
 /// Reads the file at `path` and those that it includes.
 ///
 /// # Errors
-/// Where a file cannot be read, or the scene has faults or asks for something unsupported.
-pub(super) fn read(path: &Path) -> Result<Description> {
+/// Where a file cannot be read, or the scene has faults or asks for something unsupported. Also where there are definitions.
+pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Description> {
+    if let Some((name, _)) = defines.first() {
+        let message = format!("-D {name}: pbrt's scenes have no values that -D replaces; leave it out");
+        return Err(Error::scene(path, None, message));
+    }
     let mut builder = Builder::new(path);
     let read = directives::read_file(&mut builder, path);
     let is_whole = builder.faults.keep(read).is_some();

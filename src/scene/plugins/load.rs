@@ -40,7 +40,7 @@ use crate::scene::{
     Primitive, Scene,
 };
 use crate::scene::{texel_pages, whole};
-use crate::{Error, Result, files};
+use crate::{Error, Result};
 
 /// Callback for the progress of reading a scene.
 pub(in crate::scene) type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
@@ -514,7 +514,7 @@ impl<'a> Builder<'a> {
             textures,
             images,
             warnings: self.warnings,
-            is_photometric: ["gltf", "glb"].iter().any(|extension| files::has_extension(path, extension)),
+            is_photometric: self.description.is_photometric,
         })
     }
 }
