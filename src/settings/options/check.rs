@@ -123,6 +123,7 @@ fn listed<T: Words>(noun: &str, values: &[T]) -> String {
 mod tests {
     use super::*;
     use crate::settings::options::defaults;
+    use crate::settings::options::table::OPTIONS;
     use crate::settings::{AUTO_GRID, BsdfShare, Learner, LightSelection, Mix, Roulette, Sampler};
 
     #[test]
@@ -147,6 +148,25 @@ mod tests {
             change(&mut settings);
             assert!(check(&settings).is_err(), "change {at}");
             assert!(check(&settings.without_guide()).is_ok(), "change {at}, without a guide");
+        }
+    }
+
+    #[test]
+    fn without_a_guide_its_options_are_as_they_begin() {
+        let needs_guide = |rule: &Rule| matches!((rule.when, rule.needs), (When::Any, Needs::Samplers(list)) if !list.contains(&Sampler::Bsdf));
+        for option in OPTIONS.iter().filter(|option| option.rules.iter().any(needs_guide)) {
+            let setting = option.setting.expect("a setting");
+            let first = (setting.get)(&defaults());
+            let words = option.words().into_iter().map(|word| word.name.to_owned());
+            let numbers =
+                option.range.into_iter().flat_map(|(least, most)| [least, most]).map(|number| number.to_string());
+            let mut settings = defaults();
+            let is_other = words.chain(numbers).any(|text| {
+                (setting.set.expect("it is set from text"))(&mut settings, &text).expect("a value of the option");
+                (setting.get)(&settings) != first
+            });
+            assert!(is_other, "{}", option.name);
+            assert_eq!((setting.get)(&settings.without_guide()), first, "{}", option.name);
         }
     }
 }
