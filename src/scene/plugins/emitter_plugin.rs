@@ -25,23 +25,41 @@ const SHARPEST_BORDER: f64 = 1.0e-3;
 /// Least half angle of a cone in degrees. Cosines of single precision do not tell narrower cones apart.
 const NARROWEST_CONE: f32 = 0.2;
 
-/// Plugins of emitters.
-pub(super) const SUPPORTED: [&str; 11] = [
-    "area",
-    "spotarea",
-    "directionalarea",
-    "constant",
-    "envmap",
-    "sunsky",
-    "point",
-    "spot",
-    "projector",
-    "directional",
-    "collimated",
-];
-
 /// Plugins of emitters that stand in a `<shape>`.
 const AREA: [&str; 3] = ["area", "spotarea", "directionalarea"];
+
+/// Reader of a plugin, given the sampling weight.
+type Reader = for<'a> fn(&mut Properties<'a>, f32, &mut Textures<'a>, &mut Vec<String>) -> Result<SceneEmitter>;
+
+/// Plugins of emitters that stand directly in a `<scene>`, with their readers.
+const READERS: [(&str, Reader); 8] = [
+    ("constant", |properties, sampling_weight, _, _| {
+        let constant = Environment::constant(color(properties, "radiance")?);
+        Ok(SceneEmitter::Environment(Environment { sampling_weight, ..constant }))
+    }),
+    ("envmap", |properties, weight, _, _| Ok(SceneEmitter::Map(parse_map(properties, weight)?))),
+    ("sunsky", |properties, weight, _, warnings| Ok(SceneEmitter::Sky(sunsky::parse(properties, warnings)?, weight))),
+    ("point", |properties, weight, _, _| Ok(delta(parse_point(properties)?, weight))),
+    ("spot", |properties, weight, textures, warnings| Ok(delta(parse_spot(properties, textures, warnings)?, weight))),
+    ("projector", |properties, weight, textures, warnings| {
+        Ok(SceneEmitter::Projector(projector::parse(properties, weight, textures, warnings)?))
+    }),
+    ("directional", |properties, weight, _, _| Ok(delta(parse_directional(properties)?, weight))),
+    ("collimated", |properties, _, _, warnings| {
+        properties.ignore(&["power", "to_world"]);
+        warnings.push(format!("{}: {DARK_BEAM}", properties.owner().origin));
+        Ok(SceneEmitter::Dark)
+    }),
+];
+
+/// Names of all plugins of emitters.
+pub(super) fn plugins() -> impl Iterator<Item = &'static str> {
+    AREA.into_iter().chain(READERS.iter().map(|(name, _)| *name))
+}
+
+fn delta(kind: DeltaKind, sampling_weight: f32) -> SceneEmitter {
+    SceneEmitter::Delta(DeltaEmitter { kind, sampling_weight })
+}
 
 /// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {
@@ -74,25 +92,11 @@ pub(super) fn parse<'a>(
 ) -> Result<SceneEmitter> {
     let mut properties = Properties::new(object, scope)?;
     let sampling_weight = sampling_weight(&mut properties)?;
-    let delta = |kind| SceneEmitter::Delta(DeltaEmitter { kind, sampling_weight });
-    let emitter = match properties.plugin() {
-        "constant" => {
-            let constant = Environment::constant(color(&mut properties, "radiance")?);
-            SceneEmitter::Environment(Environment { sampling_weight, ..constant })
-        }
-        "envmap" => SceneEmitter::Map(parse_map(&mut properties, sampling_weight)?),
-        "sunsky" => SceneEmitter::Sky(sunsky::parse(&mut properties, warnings)?, sampling_weight),
-        "point" => delta(parse_point(&mut properties)?),
-        "spot" => delta(parse_spot(&mut properties, textures, warnings)?),
-        "projector" => SceneEmitter::Projector(projector::parse(&mut properties, sampling_weight, textures, warnings)?),
-        "directional" => delta(parse_directional(&mut properties)?),
-        "collimated" => {
-            properties.ignore(&["power", "to_world"]);
-            warnings.push(format!("{}: {DARK_BEAM}", object.origin));
-            SceneEmitter::Dark
-        }
-        _ => return Err(object.unsupported(&SUPPORTED)),
+    let plugin = properties.plugin();
+    let Some((_, read)) = READERS.iter().find(|(name, _)| *name == plugin) else {
+        return Err(object.unsupported(&plugins().collect::<Vec<_>>()));
     };
+    let emitter = read(&mut properties, sampling_weight, textures, warnings)?;
     leave_medium(&mut properties);
     properties.finish(warnings)?;
     Ok(emitter)

@@ -618,7 +618,7 @@ fn flatten_all(
 /// Refuses scenes larger than any device could hold, before memory is allocated.
 fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result<()> {
     let count = |shape: &Shape| match &shape.geometry {
-        Geometry::Mesh(..) | Geometry::Cylinder => shape::primitive_count(shape, meshes),
+        Geometry::Mesh(..) | Geometry::Unit(_) => shape::primitive_count(shape, meshes),
         _ => 0,
     };
     let mut triangles = 0;

@@ -26,8 +26,8 @@ const OTHERS: [(Kind, &[&str]); 12] = [
 /// Kind of the plugin `name`; `None` for an unknown plugin.
 pub(in crate::scene) fn kind_of(name: &str) -> Option<Kind> {
     match () {
-        () if shape::SUPPORTED.contains(&name) => Some(Kind::Shape),
-        () if emitter_plugin::SUPPORTED.contains(&name) => Some(Kind::Emitter),
+        () if shape::plugins().any(|plugin| plugin == name) => Some(Kind::Shape),
+        () if emitter_plugin::plugins().any(|plugin| plugin == name) => Some(Kind::Emitter),
         () if textures::is_known(name) => Some(Kind::Texture),
         () if integrator::is_known(name) => Some(Kind::Integrator),
         () if materials::is_known(name) => Some(Kind::Bsdf),

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::{DMat4, DVec3};
 
@@ -16,22 +16,6 @@ use crate::scene::mesh::curves::CurveFormat;
 use crate::scene::mesh::rings::Kind;
 use crate::scene::mesh::{Mesh, MeshFormat};
 use crate::scene::{Primitive, PrimitiveShape};
-
-pub(super) const SUPPORTED: [&str; 13] = [
-    "obj",
-    "ply",
-    "serialized",
-    "rectangle",
-    "cube",
-    "sphere",
-    "cylinder",
-    "disk",
-    "facingdisk",
-    "linearcurve",
-    "bsplinecurve",
-    "shapegroup",
-    "instance",
-];
 
 /// Plugin of a disk that faces what it lights.
 pub(super) const FACING_DISK: &str = "facingdisk";
@@ -58,7 +42,8 @@ pub(super) enum Geometry {
     Cube,
     Sphere,
     FacingDisk,
-    Cylinder,
+    /// Mesh of this program.
+    Unit(&'static LazyLock<Mesh>),
 }
 
 /// Mesh: the canonical path of its file, and the file's format. A mesh in memory has no path.
@@ -83,43 +68,67 @@ impl MeshFile {
     }
 }
 
+/// Reader of a plugin.
+type Reader = fn(&mut Properties, &mut Common) -> Result<Geometry>;
+
+/// Plugins that have primitives, with their readers.
+const READERS: [(&str, Reader); 11] = [
+    ("obj", |properties, _| parse_mesh(properties, MeshFormat::Obj)),
+    ("ply", |properties, _| parse_mesh(properties, MeshFormat::Ply)),
+    ("serialized", |properties, _| parse_shape_index(properties).and_then(|format| parse_mesh(properties, format))),
+    ("rectangle", |properties, _| flat(properties, Geometry::Rectangle)),
+    ("cube", |properties, _| flat(properties, Geometry::Cube)),
+    ("sphere", |properties, common| parse_sphere(properties, common, Geometry::Sphere)),
+    ("cylinder", |properties, common| parse_unit(properties, common, cylinder::parse, &cylinder::UNIT)),
+    ("disk", |properties, _| flat(properties, Geometry::Disk)),
+    (FACING_DISK, parse_facing_disk),
+    ("linearcurve", |properties, common| parse_curves(properties, Kind::Linear, common)),
+    ("bsplinecurve", |properties, common| parse_curves(properties, Kind::BSpline, common)),
+];
+
+/// Names of all plugins of shapes.
+pub(super) fn plugins() -> impl Iterator<Item = &'static str> {
+    READERS.iter().map(|(name, _)| *name).chain(["shapegroup", "instance"])
+}
+
 /// Reads the parameters of a shape's plugin, and its transform into `common`.
 pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -> Result<Geometry> {
     common.to_world = properties.take_to_world()?;
     common.flip_normals = properties.boolean("flip_normals")?.unwrap_or(false);
     common.unseen = !properties.boolean("visible_to_camera")?.unwrap_or(true);
-    let mesh_format = match properties.plugin() {
-        "obj" => Some(MeshFormat::Obj),
-        "ply" => Some(MeshFormat::Ply),
-        "serialized" => Some(parse_shape_index(properties)?),
-        MESH => match properties.mesh(MESH) {
-            Some(index) => return parse_mesh_in_memory(properties, index),
-            None => None,
-        },
-        _ => None,
-    };
-    if let Some(format) = mesh_format {
-        return parse_mesh(properties, format);
+    let plugin = properties.plugin();
+    if plugin == MESH
+        && let Some(index) = properties.mesh(MESH)
+    {
+        return parse_mesh_in_memory(properties, index);
     }
-    // The other shapes have flat faces, or none.
+    match READERS.iter().find(|(name, _)| *name == plugin) {
+        Some((_, read)) => read(properties, common),
+        None => Err(properties.owner().unsupported(&plugins().collect::<Vec<_>>())),
+    }
+}
+
+/// A shape without parameters.
+fn flat(properties: &mut Properties, geometry: Geometry) -> Result<Geometry> {
+    ignore_faces(properties);
+    Ok(geometry)
+}
+
+/// Passes over a parameter of meshes: the other shapes have flat faces, or none.
+fn ignore_faces(properties: &mut Properties) {
     properties.ignore(&["face_normals"]);
-    match properties.plugin() {
-        "rectangle" => Ok(Geometry::Rectangle),
-        "disk" => Ok(Geometry::Disk),
-        "cube" => Ok(Geometry::Cube),
-        "linearcurve" => parse_curves(properties, Kind::Linear, common),
-        "bsplinecurve" => parse_curves(properties, Kind::BSpline, common),
-        "sphere" => {
-            common.to_world = parse_sphere(properties, common.to_world)?;
-            Ok(Geometry::Sphere)
-        }
-        FACING_DISK => parse_facing_disk(properties, common),
-        "cylinder" => {
-            common.to_world = cylinder::parse(properties, common.to_world)?;
-            Ok(Geometry::Cylinder)
-        }
-        _ => Err(properties.owner().unsupported(&SUPPORTED)),
-    }
+}
+
+/// Reads a shape that is a mesh of this program. `parse` reads the parameters and gives the transform of the mesh.
+fn parse_unit(
+    properties: &mut Properties,
+    common: &mut Common,
+    parse: fn(&mut Properties, DMat4) -> Result<DMat4>,
+    unit: &'static LazyLock<Mesh>,
+) -> Result<Geometry> {
+    ignore_faces(properties);
+    common.to_world = parse(properties, common.to_world)?;
+    Ok(Geometry::Unit(unit))
 }
 
 /// Reads a shape whose mesh lies in memory already: of a dictionary, a glTF model or a pbrt scene.
@@ -153,6 +162,7 @@ fn parse_curves(properties: &mut Properties, kind: Kind, common: &mut Common) ->
         let message = format!("a `{}` has no `flip_normals`, because it is seen from outside only", kind.plugin());
         return Err(properties.owner().error(message + "; leave it out"));
     }
+    ignore_faces(properties);
     common.front_only = true;
     let to_world = std::mem::replace(&mut common.to_world, DMat4::IDENTITY);
     // Weight of Mitsuba's derivatives with respect to the shape.
@@ -164,27 +174,29 @@ fn parse_curves(properties: &mut Properties, kind: Kind, common: &mut Common) ->
 
 /// Reads a disk that faces what it lights.
 fn parse_facing_disk(properties: &mut Properties, common: &mut Common) -> Result<Geometry> {
-    common.to_world = parse_sphere(properties, common.to_world)?;
+    let geometry = parse_sphere(properties, common, Geometry::FacingDisk)?;
     if common.flip_normals {
         let message = "a `facingdisk` has no `flip_normals`, because it faces what it lights; leave it out";
         return Err(properties.owner().error(message));
     }
-    Ok(Geometry::FacingDisk)
+    Ok(geometry)
 }
 
-/// Transform from the unit sphere to the world.
-fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
+/// Reads a shape with a center and a radius. The transform goes from the unit sphere to the world.
+fn parse_sphere(properties: &mut Properties, common: &mut Common, geometry: Geometry) -> Result<Geometry> {
+    ignore_faces(properties);
     let object = properties.owner();
     let center = properties.point("center")?.unwrap_or(DVec3::ZERO);
     let radius = f64::from(properties.positive_float("radius", 1.0)?);
-    let result = to_world * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
+    let result = common.to_world * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
     if !transform::is_similarity(&result, SIMILARITY) {
         return Err(object.error(format!("the `to_world` of a {} must not scale unevenly or shear", object.plugin)));
     }
     if transform::axes(&result)[0].as_vec3().length_squared() < f32::MIN_POSITIVE {
         return Err(object.error(format!("a {} needs a radius greater than 0", object.plugin)));
     }
-    Ok(result)
+    common.to_world = result;
+    Ok(geometry)
 }
 
 impl Shape {
@@ -225,7 +237,7 @@ impl Shape {
 pub(super) fn primitive_count(shape: &Shape, meshes: &HashMap<MeshFile, Arc<Mesh>>) -> usize {
     match &shape.geometry {
         Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
-        Geometry::Cylinder => cylinder::UNIT.triangles.len(),
+        Geometry::Unit(mesh) => mesh.triangles.len(),
         Geometry::Cube => 6,
         Geometry::Rectangle | Geometry::Disk | Geometry::Sphere | Geometry::FacingDisk => 1,
     }
@@ -251,7 +263,7 @@ pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Arc<Mesh>>)
         Geometry::Cube => few(flatten::cube(common), common),
         Geometry::Sphere => few(vec![flatten::sphere(common)], common),
         Geometry::FacingDisk => few(vec![flatten::facing_disk(common)], common),
-        Geometry::Cylinder => mesh(&cylinder::UNIT, &MeshOptions { face_normals: false, flip_uvs: false }),
+        Geometry::Unit(unit) => mesh(unit, &MeshOptions { face_normals: false, flip_uvs: false }),
     };
     placed.ok_or_else(|| {
         shape.origin.error("the shape's `to_world` takes it out of the range of single-precision numbers")
