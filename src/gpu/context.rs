@@ -159,15 +159,6 @@ impl Context {
         self.memory.peak_bytes()
     }
 
-    /// Writes the compiled pipelines to the user's cache folder, for a faster start next time. Dropping the context
-    /// writes them too, and a failure then is only logged.
-    ///
-    /// # Errors
-    /// [`crate::Error::Write`] where the file cannot be written.
-    pub fn save_pipeline_cache(&self) -> Result<()> {
-        self.pipeline_cache.save()
-    }
-
     pub(super) fn logical(&self) -> &LogicalDevice {
         &self.device
     }

@@ -41,7 +41,7 @@ impl PipelineCache {
     }
 
     /// Writes the file, unless nothing is new or the system has no cache folder.
-    pub(super) fn save(&self) -> Result<()> {
+    fn save(&self) -> Result<()> {
         let Some(file) = &self.file else { return Ok(()) };
         // SAFETY: invariant 1: device and cache are alive.
         let data = unsafe { self.device.raw().get_pipeline_cache_data(self.raw) };
