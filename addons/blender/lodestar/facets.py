@@ -224,7 +224,7 @@ def glass(
         sides.append([each[:, None] * more for each in (reflected, transmitted)])
     if max(np.abs(each - 1.0)[cosines > 0.2].max() for side in sides for each in side) < NEAR_ONE:
         return None
-    inside = less(dot(graph.source("normal"), graph.source("incoming")), 0.0)
+    inside = less(dot(graph.source("shading_normal"), graph.source("incoming")), 0.0)
     found = []
     for outer, inner in zip(*sides):
         most = float(max(outer.max(), inner.max()))
@@ -242,7 +242,7 @@ def crossing(reader: Any, color: Union[Color, Texture], ior: float) -> Union[Col
     graph = reader.images.graph
     square = max(ior, LEAST_INDEX) ** 2
     most = max(square, 1.0 / square)
-    inside = less(dot(graph.source("normal"), graph.source("incoming")), 0.0)
+    inside = less(dot(graph.source("shading_normal"), graph.source("incoming")), 0.0)
     share = select(inside, 1.0 / (square * most), square / most)
     factor = color.factor if isinstance(color, Texture) else (1.0, 1.0, 1.0)
     value = reader.as_program(replace(color, factor=(1.0, 1.0, 1.0))) if isinstance(color, Texture) else color
