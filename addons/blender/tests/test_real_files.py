@@ -14,13 +14,18 @@ import support
 
 
 def test_a_folder(tmp_path: Path) -> None:
-    """Files that agree, are refused, have no camera or no view layer, or are no .blend files."""
+    """Files that agree, have faces in the same place, are refused, have no camera or no view layer, or are no .blend files."""
     scene = scenes.empty()
     scenes.camera(scene, (0, 0, 3), (0, 0, 0))
     scenes.world(scene, (1, 1, 1))
     plane = scenes.plane(scene, "ground", 9, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
     save = lambda name: bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / f"{name}.blend"))  # noqa: E731
     save("agrees")
+    twin = scenes.plane(scene, "twin", 9, plane.data.materials[0])
+    scenes.lamp(scene, "SUN", (0, 0, 3), energy=3.0, angle=0.0)
+    save("twins")
+    bpy.data.objects.remove(twin)
+    bpy.data.objects.remove(scene.objects["sun"])
     plane.is_holdout = True
     save("differs")
     scene.view_layers[0].use = False
@@ -38,11 +43,13 @@ def test_a_folder(tmp_path: Path) -> None:
     for start in (
         "agrees.blend: rendered, 0 warnings, agrees: mean 1.00",
         "differs.blend: rendered, 1 warnings, differs",
+        "twins.blend: rendered, 0 warnings, differs",
+        "1 more agree with faces apart, 1 of them without a warning",
         "noise.blend: not opened",
         "panorama.blend: refused",
         "without.blend: no camera",
         "layerless.blend: no view layer",
-        "1 of 2 without a warning",
+        "2 of 3 without a warning",
         "1 agree with Cycles, 1 of them without a warning",
         "    1 object: a holdout is not supported; it is an ordinary surface",
     ):
