@@ -111,6 +111,7 @@ class Meshes:
         positions = _get(mesh.vertices, "co", 3 * len(mesh.vertices), np.float32).reshape(-1, 3)
         vertex_of_loop = _get(mesh.loops, "vertex_index", len(mesh.loops), np.int32)
         normals = _get(mesh.corner_normals, "vector", 3 * len(mesh.loops), np.float32).reshape(-1, 3)
+        _note_twins(positions, vertex_of_loop[loops], place, self.report)
         # Of a flat face that is not plane, each triangle is flat in Cycles, unless the mesh has normals of its own.
         is_flat = ~_get(mesh.loop_triangles, "use_smooth", count, bool) & (not mesh.has_custom_normals)
         parts = []
@@ -145,6 +146,16 @@ class Meshes:
             whole.replace(path)
             self.written += 1
         return name
+
+
+def _note_twins(positions: np.ndarray, triangles: np.ndarray, place: str, report: Report) -> None:
+    """Notes how many triangles lie where another one of the mesh lies."""
+    size = max(float(np.ptp(positions, axis=0).max()), 1e-30)
+    corners = _hashes(np.rint(positions / np.float32(1e-5 * size)) + np.float32(0.0))
+    # The sum does not depend on the order of the corners.
+    twins = len(triangles) - len(np.unique(corners[triangles].sum(axis=1)))
+    if twins > 0:
+        report.note(place, f"{twins} of its {len(triangles)} triangles lie where others do; Cycles has dark spots there, which are not rendered")
 
 
 def _flat(places: np.ndarray, of_corners: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Report:
-    """Warnings and notes of one export, in the order of their first appearance. What a note tells is rendered as in Cycles."""
+    """Warnings and notes of one export, in the order of their first appearance. What a note tells is rendered as in Cycles, or is a slip."""
 
     def __init__(self) -> None:
         self._warnings: dict[str, None] = {}

@@ -54,6 +54,20 @@ def test_unchanged_meshes_are_not_written_again(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("*.ply"))) == 2, "the mesh that was replaced is removed"
 
 
+def test_faces_in_the_same_place_are_noted(tmp_path: Path) -> None:
+    """A mesh with a copy of a face, of which the corners have another order, has a note, and no warning."""
+    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    scenes.ball(scene, "ball", 1, scenes.diffuse("red", (0.7, 0.1, 0.1)))
+    assert exported(tmp_path).report.notes == []
+    mesh = bpy.data.meshes.new("twins")
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1)]
+    mesh.from_pydata([*corners[:3], *corners[:3], corners[3]], [], [(0, 1, 2), (4, 3, 5), (0, 1, 6)])
+    scenes.add(scene, "twins", mesh)
+    found = exported(tmp_path).report
+    assert not found.warnings and len(found.notes) == 1
+    assert found.notes[0].startswith('object "twins": 1 of its 3 triangles lie where others do')
+
+
 def occlusion(tree: Any) -> Any:
     """A node that no program can say, below one that it can."""
     node, math = tree.nodes.new("ShaderNodeAmbientOcclusion"), tree.nodes.new("ShaderNodeMath")
