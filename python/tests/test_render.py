@@ -155,7 +155,7 @@ def test_ctrl_c_before_the_first_sample_is_an_exception(room_scene):
 
 
 def test_another_thread_ends_a_render(room_scene):
-    renderer = lodestar.Renderer(room_scene, **{**SMALL, "width": 64, "height": 48})
+    renderer = lodestar.Renderer(room_scene, **{**ENDLESS, "width": 64, "height": 48})
     timer = threading.Timer(0.3, renderer.stop)
     timer.start()
     # One step of so many samples would take minutes.
@@ -236,7 +236,7 @@ ERRORS = [
     ({"seed": "x"}, "invalid value 'x' for '--seed"),
     ({"crop": (1, 2)}, "write it as X,Y,W,H"),
     ({"device": "no such device"}, "no such device"),
-    ({"checkpoint_every": 3}, "--checkpoint"),
+    ({"checkpoint_every": 3}, "--checkpoint FILE is missing"),
     ({"noise": 5}, "--noise is 5, but must lie between"),
 ]
 

@@ -122,7 +122,7 @@ pub fn options(subcommand: &str, arguments: impl IntoIterator<Item = String>) ->
         Ok(Command::Render(args)) => Ok(render::options(args.given)),
         Ok(Command::Resume(args)) => Ok(resume::options(&args)),
         Ok(_) => Err(Error::Settings(format!("`{subcommand}` does not render"))),
-        Err(error) => Err(Error::Settings(fault(&error.to_string()))),
+        Err(error) => Err(Error::Settings(missing(&error).unwrap_or_else(|| fault(&error.to_string())))),
     }
 }
 
@@ -166,21 +166,36 @@ fn usage_sentence(error: &clap::Error) -> String {
         }),
         UsageError::TooFewValues => quoted(ContextKind::InvalidArg)
             .map(|argument| format!("name two files or more: {}", argument.replace(['<', '>'], ""))),
-        UsageError::MissingRequiredArgument => missing(error),
+        UsageError::MissingRequiredArgument => missing(error).map(|names| names + &command_with_them(error)),
         _ => None,
     };
     format!("{}; --help lists the possible arguments", fault.unwrap_or_else(|| self::fault(&error.to_string())))
 }
 
-/// Sentence that names the arguments that are missing, and the whole command with them.
+/// Sentence that names the arguments that are missing; `None` for another fault.
 fn missing(error: &clap::Error) -> Option<String> {
-    let plain = |text: &str| text.replace(['<', '>'], "");
-    let Some(ContextValue::Strings(names)) = error.get(ContextKind::InvalidArg) else { return None };
-    let Some(ContextValue::StyledStr(usage)) = error.get(ContextKind::Usage) else { return None };
-    let usage = plain(usage.to_string().trim_start_matches("Usage:").trim());
+    let is_missing = error.kind() == UsageError::MissingRequiredArgument;
+    let Some(ContextValue::Strings(names)) = error.get(ContextKind::InvalidArg).filter(|_| is_missing) else {
+        return None;
+    };
     let names: Vec<_> = names.iter().map(|name| plain(name)).collect();
     let verb = if names.len() == 1 { "is" } else { "are" };
-    Some(format!("{} {verb} missing; write {usage}", names.join(" and ")))
+    Some(format!("{} {verb} missing", names.join(" and ")))
+}
+
+/// Advice that shows the whole command with the arguments that are missing.
+fn command_with_them(error: &clap::Error) -> String {
+    match error.get(ContextKind::Usage) {
+        Some(ContextValue::StyledStr(usage)) => {
+            format!("; write {}", plain(usage.to_string().trim_start_matches("Usage:").trim()))
+        }
+        _ => String::new(),
+    }
+}
+
+/// Text of clap without the marks of values.
+fn plain(text: &str) -> String {
+    text.replace(['<', '>'], "")
 }
 
 /// First paragraph of clap's message and its tips on names that are similar, on one line.
