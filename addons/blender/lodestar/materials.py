@@ -50,8 +50,8 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     """Translates a material; None stands for Blender's default. Beside color attributes, no program scales what glass transmits."""
     if material is None:
         return Material(principled.default(images), None, None, None, False)
-    reader = Reader(f'material "{material.name}"', report, images, surroundings=surroundings, material_index=material.pass_index)
-    reader.scales_glass = scales_glass
+    place = f'material "{material.name}"'
+    reader = Reader(place, report, images, surroundings=surroundings, material_index=material.pass_index, scales_glass=scales_glass)
     tree = material.node_tree
     if tree is None or not material.use_nodes:
         return Material(diffuse(images, tuple(material.diffuse_color)[:3]), None, None, None, False)

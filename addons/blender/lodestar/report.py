@@ -4,7 +4,11 @@ from __future__ import annotations
 
 
 class Report:
-    """Warnings and notes of one export, in the order of their first appearance. What a note tells is rendered as in Cycles, or is a slip."""
+    """Warnings and notes of one export, in the order of their first appearance.
+
+    A warning tells what is not rendered as in Cycles. A note tells a fault of the scene: a missing image, a node that Cycles does not know,
+    faces in one place.
+    """
 
     def __init__(self) -> None:
         self._warnings: dict[str, None] = {}
