@@ -9,11 +9,13 @@
 //! | one step | `step.rs` |
 //! | work of the devices of one process at the same time | `devices.rs` |
 //! | what devices exchange: sums of learning targets, the film, states | `sums.rs`, `addition.rs`, `film.rs`, `state.rs` |
+//! | another scene | `another_scene.rs` |
 //! | tiles by measured speed, and times of sharing a film | `speed.rs`, `times.rs` |
 //! | ranks, which are processes: who leads, and how they agree | `team.rs`, `command.rs`, `serve.rs`, `failure.rs` |
 //! | the connection of ranks: in memory, or MPI | `exchange.rs`, `in_memory.rs`, `mpi.rs`, `trial.rs` |
 
 mod addition;
+mod another_scene;
 mod command;
 mod devices;
 pub mod exchange;

@@ -50,7 +50,7 @@ impl Renderer {
 
     /// Seed of the picture after a change: this one if the guide has not learned from samples of it that may be taken, or the next such
     /// one.
-    fn next_seed(&self) -> Result<u32> {
+    pub(super) fn next_seed(&self) -> Result<u32> {
         let Settings { seed, sample_offset, .. } = self.settings;
         let learned = self.samples_of_guide();
         let is_free = |seed: &u32| learned.end(*seed).is_none_or(|end| end <= u64::from(sample_offset.unwrap_or(0)));
@@ -69,7 +69,7 @@ impl Renderer {
         let crop = self.settings.crop.map(|crop| crop.rescaled(old, [width, height]));
         let settings = Settings { width, height, crop, seed, ..self.settings.clone() };
         settings.validate()?;
-        self.sets.bvh.check_eye(camera.world_from_camera.w_axis.truncate())?;
+        self.sets.bvh.check_eye(camera.eye())?;
         let needs = self.needs.with_film(&settings);
         if width > old[0] || height > old[1] {
             needs.check_film(self.context.device(), [width, height])?;
@@ -99,7 +99,7 @@ impl Renderer {
     }
 
     /// Samples from which the guide has learned, of this render and of earlier ones.
-    fn samples_of_guide(&self) -> SampleRanges {
+    pub(super) fn samples_of_guide(&self) -> SampleRanges {
         match self.settings.sampler {
             Sampler::Bsdf | Sampler::Quadtree => SampleRanges::default(),
             _ => self.guide_samples.clone().union(SampleRanges::of_render(&self.settings, self.samples_done)),

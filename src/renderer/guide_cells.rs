@@ -28,6 +28,16 @@ pub(super) fn cells_of(settings: &Settings, bvh: &Bvh, media: &[(Vec3, Vec3)], l
     }
 }
 
+/// What a film decides about the cells of a guide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct CellLimit(u64);
+
+impl CellLimit {
+    pub fn of(settings: &Settings) -> Self {
+        Self(bytes_for_picture(settings))
+    }
+}
+
 /// Most bytes of a guide whose cells are chosen for the picture.
 fn bytes_for_picture(settings: &Settings) -> u64 {
     let pixels = u64::from(settings.width) * u64::from(settings.height);

@@ -75,7 +75,7 @@ impl Renderer {
     }
 
     /// Reads the guide back as another render can begin with it.
-    fn guide_state(&self) -> Result<GuideState> {
+    pub(super) fn guide_state(&self) -> Result<GuideState> {
         check_learns_radiance(&self.settings)?;
         let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
         let parts = self.guide_parts().iter().map(read).collect::<Result<_>>()?;

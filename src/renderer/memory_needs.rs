@@ -202,6 +202,11 @@ impl MemoryNeeds {
         })
     }
 
+    /// Work on the picture besides writing it.
+    pub fn work(&self) -> PictureWork {
+        self.work
+    }
+
     /// Whether a whole copy of the film of these settings lies in the host's memory while it is rendered.
     pub fn has_copies(&self, settings: &Settings) -> bool {
         has_copies(settings, self.is_cpu)

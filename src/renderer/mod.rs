@@ -13,9 +13,11 @@
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
 //! | another camera or size, with the guide kept | `another_view.rs` |
+//! | another scene, with what has not changed kept | `another_scene.rs` |
 //! | state that a later render goes on from | `state.rs`, `restore.rs` |
 //! | guides that later renders begin with | `guide_state.rs`, `learned_guide.rs`, `guide_tables.rs` (for files) |
 
+pub(crate) mod another_scene;
 pub(crate) mod another_view;
 mod film_store;
 mod guide_cells;
@@ -56,6 +58,7 @@ use crate::generated::kernels::{BackEnd, Kernels, Variant};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
+use crate::renderer::guide_cells::CellLimit;
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::sets::Sets;
@@ -73,6 +76,8 @@ pub struct Renderer {
     learning: Learning,
     film_store: FilmStore,
     cells: Cells,
+    /// Film for which the cells were chosen. A change of the size keeps the cells.
+    cells_are_for: CellLimit,
     sets: Sets,
     back_end: BackEnd,
     /// Kernels of the back end, and the constants with which those that trace are built.

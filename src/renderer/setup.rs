@@ -14,18 +14,27 @@ use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{BackEnd, Registry};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
-use crate::renderer::guide_cells::cells_of;
+use crate::renderer::guide_cells::{CellLimit, cells_of};
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::PictureWork;
-use crate::renderer::sets::Sets;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
 use crate::renderer::sets::radiance_grid::RadianceGrid;
+use crate::renderer::sets::{Sets, Shown};
 use crate::renderer::trace::execution::{self, Plan};
 use crate::renderer::trace::tracer::Tracer;
 use crate::renderer::variants;
 use crate::scene::Scene;
 use crate::settings::{Settings, Traversal};
+
+/// A scene as a renderer is made of it.
+pub(super) struct World<'a> {
+    pub scene: &'a Scene,
+    pub surfaces: Surfaces,
+    pub bvh: &'a Bvh,
+    /// Renderer of the same geometry on the same device. What it has of the geometry serves this one, too.
+    pub before: Option<&'a Renderer>,
+}
 
 impl Renderer {
     /// Uploads the scene, builds the pipelines, and runs each once on nothing: some drivers compile at the first dispatch.
@@ -65,33 +74,48 @@ impl Renderer {
         registry: &Registry,
         work: PictureWork,
     ) -> Result<Self> {
+        Self::of_world(context, World { scene, surfaces, bvh, before: None }, settings, registry, work)
+    }
+
+    /// Does the work of [`Renderer::with_work`], but for what the renderer before has on the device already.
+    pub(super) fn of_world(
+        context: &Arc<Context>,
+        world: World<'_>,
+        settings: &Settings,
+        registry: &Registry,
+        work: PictureWork,
+    ) -> Result<Self> {
+        let World { scene, surfaces, bvh, before } = world;
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh, settings.learns_lights()) };
-        let cells = cells_of(settings, bvh, &media::boxes(scene), shading.lights.group_count());
+        let (media, light_groups) = (media::boxes(scene), shading.lights.group_count());
+        let known = before.and_then(|before| before.cells_for(settings, &media, light_groups));
+        let cells = known.unwrap_or_else(|| cells_of(settings, bvh, &media, light_groups));
         let plan = execution::resolve(context.device(), settings, &shading, bvh, &cells, work)?;
-        Self::build(context, scene, &shading, bvh, cells, &plan, registry).map_err(|error| plan.needs.explain(error))
+        let back_end = back_end_for(context, &shading, bvh, &cells, &plan.settings);
+        let uploaded = before.and_then(|before| before.hierarchy_for(back_end, scene.camera.eye()));
+        let shown = Shown { scene, shading: &shading, bvh, cells, uploaded };
+        Self::build(context, shown, back_end, &plan, registry).map_err(|error| plan.needs.explain(error))
     }
 
     fn build(
         context: &Arc<Context>,
-        scene: &Scene,
-        shading: &Shading,
-        bvh: &Bvh,
-        cells: Cells,
+        shown: Shown<'_>,
+        back_end: BackEnd,
         plan: &Plan,
         registry: &Registry,
     ) -> Result<Self> {
         let settings = &plan.settings;
-        let variant = variants::variant(settings, scene, shading, bvh, &cells);
-        let back_end = back_end_for(context, shading, bvh, &cells, settings);
+        let Shown { scene, shading, bvh, cells, .. } = &shown;
+        let variant = variants::variant(settings, scene, shading, bvh, cells);
         let kernels = registry.kernels(back_end);
         let build = || -> Result<_> {
             let learning = Learning::new(context, kernels, &variant, settings)?;
             let film_store = FilmStore::new(context, kernels, &variant, settings)?;
             Ok((Tracer::new(context, kernels, &variant, settings)?, learning, film_store))
         };
-        let upload = || Sets::new(context, kernels, scene, shading, bvh, &cells, settings);
+        let upload = || Sets::new(context, kernels, &shown, settings);
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
         let ((tracer, slicer), learning, film_store) = built?;
@@ -110,7 +134,8 @@ impl Renderer {
             has_background: scene.environment.is_some() && !settings.hide_emitters,
             camera: scene.camera,
             view: View::new(&scene.camera, settings.width, settings.height),
-            cells,
+            cells: shown.cells,
+            cells_are_for: CellLimit::of(settings),
             guide_samples: SampleRanges::default(),
             samples_done: 0,
             stopped: false,

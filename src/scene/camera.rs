@@ -1,6 +1,6 @@
 //! Camera of a scene, and its projections.
 
-use glam::{Mat4, Vec2, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::{Error, Result};
 
@@ -61,6 +61,11 @@ pub enum FovAxis {
 }
 
 impl Camera {
+    /// Place of the camera, world space.
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.world_from_camera.w_axis.truncate()
+    }
+
     /// Half the width and height, in camera units, of the part of the plane at depth 1 that a picture of `width` x
     /// `height` pixels shows.
     pub fn half_extent(&self, width: u32, height: u32) -> Vec2 {

@@ -45,7 +45,7 @@ pub fn convert_dictionary(scene: &Dictionary, output: &Path, overwrite: bool) ->
 }
 
 fn write_description(mut description: Description, output: &Path, overwrite: bool) -> Result<Converted> {
-    let scene = build(&mut description, &LoadOptions::default(), &|_| {})?;
+    let scene = build(&mut description, &LoadOptions::default(), &|_| {}, None)?;
     let file_count = write(&description, &Target { output, overwrite, fitted: &scene })?;
     Ok(Converted { file_count, warnings: scene.warnings })
 }

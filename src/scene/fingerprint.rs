@@ -21,16 +21,18 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
     fingerprints(scene).map(|found| found.scene)
 }
 
-/// Fingerprints of a scene and of its world.
+/// Fingerprints of a scene, of its world and of its geometry.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fingerprints {
     /// Hash of the scene, as [`fingerprint`] has it.
     pub scene: String,
     /// Hash of all that scatters or emits light: the scene without camera, film and integrator. Scenes of one world teach guides the same.
     pub world: String,
+    /// Hash of what a hierarchy is built of: all shapes with the numbers of their materials and emitters, and all motions.
+    pub(crate) geometry: u128,
 }
 
-/// Both fingerprints of a scene.
+/// All fingerprints of a scene.
 ///
 /// # Errors
 /// Where [`fingerprint`] fails.
@@ -68,8 +70,9 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
     let shown = (instances.len(), hashes(instances.par_chunks(CHUNK))?);
     let is_flat = instances.is_empty() && camera_motion.is_none();
     let whole = if is_flat { flat } else { hash(&(flat, &groups, &shown, motions, camera_motion))? };
+    let geometry = hash(&(&primitives, &groups, &shown, motions, camera_motion))?;
     let world = hash(&(primitives, images, (materials, media, lights, textures), groups, shown, motions))?;
-    Ok(Fingerprints { scene: format!("{whole:032x}"), world: format!("{world:032x}") })
+    Ok(Fingerprints { scene: format!("{whole:032x}"), world: format!("{world:032x}"), geometry })
 }
 
 /// Fingerprint of a scene whose camera was changed, from that of the scene and the new camera. It is not that of a file with this camera.

@@ -61,7 +61,9 @@ pub use medium::{AlbedoVolume, Boundary, Media, Medium, Phase, PhaseLobe, Volume
 pub use mitsuba::dictionary::{Array, Dictionary, Value};
 pub use motion::{Course, Motion};
 pub use place::scene_file;
+pub(crate) use plugins::kept_meshes::KeptMeshes;
 pub use plugins::load::{LoadProgress, scene_name};
+pub(crate) use read::load_keeping;
 pub use read::{load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 pub use whole::Scene;

@@ -10,6 +10,7 @@ use super::load_options::LoadOptions;
 use super::mitsuba::dictionary::Dictionary;
 use super::mitsuba::{entries, xml};
 use super::pbrt;
+use super::plugins::kept_meshes::KeptMeshes;
 use super::plugins::load::{Watch, build};
 use super::usd;
 use super::whole::Scene;
@@ -31,7 +32,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 ///
 /// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    build(&mut describe(path, &options.defines)?, options, progress)
+    build(&mut describe(path, &options.defines)?, options, progress, None)
+}
+
+/// Reads the scene at `path` like [`load_with_progress`]. Meshes whose files have not changed are taken from those that were `kept`.
+pub(crate) fn load_keeping(path: &Path, options: &LoadOptions, progress: &Watch, kept: &KeptMeshes) -> Result<Scene> {
+    build(&mut describe(path, &options.defines)?, options, progress, Some(kept))
 }
 
 /// Description of the scene at `path`. `defines` replace the `<default>`s of XML, and choose the moment and the variant of a model.
@@ -56,7 +62,7 @@ impl Scene {
     /// # Errors
     /// Where an entry asks for something unsupported, or a file cannot be read. Messages name entries such as `scene.box.bsdf`.
     pub fn from_dictionary(dictionary: &Dictionary) -> Result<Self> {
-        let scene = build(&mut entries::read(dictionary)?, &LoadOptions::default(), &|_| {})?;
+        let scene = build(&mut entries::read(dictionary)?, &LoadOptions::default(), &|_| {}, None)?;
         Ok(Self { name: entries::ROOT.into(), ..scene })
     }
 }

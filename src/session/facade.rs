@@ -214,6 +214,38 @@ impl Session {
     }
 }
 
+/// Another scene. The guide stays.
+impl Session {
+    /// Renders `scene` from now on: the scene before after a change, or any other one. The film, its counters and the length of the render
+    /// begin anew; the film keeps its size and its window, and the camera is that of `scene`. The choices of [`Options`] hold for this scene
+    /// as for the first one.
+    ///
+    /// What has not changed stays: the device, kernels that both scenes need, and the hierarchy where all shapes with their materials' and
+    /// emitters' numbers are the same. For this, a session keeps the hierarchy in memory from its first change on, and meshes of files that
+    /// it has read itself.
+    ///
+    /// The guide stays, too: each cell takes what the nearest cell has learned, as [`Session::begin_with_guide`] does, and the seed becomes
+    /// the next one of which the guide has learned from no sample. So the picture stays unbiased, and has the bits of a new session of that
+    /// seed and size which begins with this guide ([`Session::learned_guide`]). A guide from a file may give other bits.
+    ///
+    /// # Errors
+    /// Where [`Session::new`] fails, the device cannot hold both scenes for a moment, or the render keeps a checkpoint or is shared by
+    /// ranks. The render then goes on as before.
+    pub fn set_scene(&mut self, scene: &Scene) -> Result<()> {
+        self.set_scene_watched(SceneInput::Memory(scene), &Watch::silent())
+    }
+
+    /// Changes the scene like [`Session::set_scene`], to one in a file or in memory, and tells `watch` every event.
+    ///
+    /// # Errors
+    /// Where [`Session::set_scene`] fails, and where the scene cannot be read.
+    pub fn set_scene_watched(&mut self, scene: SceneInput<'_>, watch: &Watch<'_>) -> Result<()> {
+        self.running.change_scene(scene, watch)?;
+        self.finished = None;
+        Ok(())
+    }
+}
+
 /// What a session has so far.
 impl Session {
     /// The picture so far. If the device was lost during [`Session::run`], this is the last safety copy of the picture.

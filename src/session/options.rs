@@ -352,10 +352,33 @@ impl Options {
         depth_warning(scene).filter(|_| !is_chosen)
     }
 
-    /// Sets the settings that do not decide what the picture is.
-    pub(super) fn set_execution(&self, settings: &mut Settings) {
+    /// These options for other scenes of a render that has begun. Its connection to ranks ends when its owner wants.
+    pub(super) fn for_other_scenes(&self) -> Self {
+        Self { exchange: None, ..self.clone() }
+    }
+
+    /// Settings and length of a render that takes `scene` in place of the one before. The film keeps its size and its window, and the seed
+    /// stays until it is known what the guide has learned from.
+    pub(super) fn for_another_scene(&self, scene: &Scene, before: &Settings) -> Result<(Settings, Length)> {
+        let asked = self.settings_for(scene)?;
+        let length = self.length_for(scene, &asked);
+        let Settings { width, height, crop, seed, samples_per_dispatch, .. } = *before;
+        let mut settings = Settings { width, height, crop, seed, samples_per_dispatch, ..asked };
+        self.complete(&mut settings, &length)?;
+        Ok((settings, length))
+    }
+
+    /// Sets the settings that do not decide what the picture is, and checks all settings.
+    pub(super) fn complete(&self, settings: &mut Settings, length: &Length) -> Result<()> {
         settings.slice_milliseconds = self.slice_milliseconds.or(settings.slice_milliseconds);
         settings.execution = self.execution.unwrap_or(settings.execution);
         settings.traversal = self.traversal.unwrap_or(settings.traversal);
+        settings.validate()?;
+        length.check_sample_range(settings)?;
+        if self.kernel_folder.is_some() && settings.execution == Execution::Auto {
+            // An edited megakernel must run, also where wavefront kernels would be faster.
+            settings.execution = Execution::Megakernel;
+        }
+        Ok(())
     }
 }

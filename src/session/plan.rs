@@ -15,7 +15,7 @@ use crate::session::options::Options;
 use crate::session::progress::{Event, Watch};
 use crate::session::saved::{SavedCheckpoint, SavedState};
 use crate::session::start::Resumed;
-use crate::settings::{Execution, Settings};
+use crate::settings::Settings;
 use crate::{Error, Result};
 
 /// Settings and length of a render whose scene is known, and the part of it that a checkpoint holds.
@@ -138,14 +138,7 @@ impl Plan {
 
     /// Sets the settings that do not decide what the picture is, and checks all settings.
     fn complete(&mut self, options: &Options) -> Result<()> {
-        options.set_execution(&mut self.settings);
-        self.settings.validate()?;
-        self.length.check_sample_range(&self.settings)?;
-        if options.kernel_folder.is_some() && self.settings.execution == Execution::Auto {
-            // An edited megakernel must run, also where wavefront kernels would be faster.
-            self.settings.execution = Execution::Megakernel;
-        }
-        Ok(())
+        options.complete(&mut self.settings, &self.length)
     }
 }
 

@@ -1,7 +1,6 @@
 //! A render before its first step: scene, devices and kernels are ready, and what it begins with is known.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
 use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,8 +17,8 @@ use crate::fleet::team::Team;
 use crate::gpu::Context;
 use crate::renderer::Renderer;
 use crate::renderer::guide_state::check_learns_radiance;
-use crate::scene::Scene;
 use crate::scene::fingerprint::{Fingerprints, fingerprints};
+use crate::scene::{KeptMeshes, Scene};
 use crate::session::checkpoints::CheckpointFile;
 use crate::session::devices::device_name;
 use crate::session::files::OutputFiles;
@@ -32,7 +31,7 @@ use crate::session::profiler::Profiler;
 use crate::session::progress::{Event, Preparation, Watch};
 use crate::session::running::Running;
 use crate::session::start::{SceneInput, Start};
-use crate::session::statistics::SetupTimes;
+use crate::session::statistics::{SetupTimes, timed};
 use crate::session::subject::Subject;
 use crate::settings::Settings;
 
@@ -72,8 +71,8 @@ impl Prepared {
         let begin = Instant::now();
         let (opened, loaded) = open_and_load(&input, options, watch);
         let (scene, load_seconds) = loaded?;
-        warn_once(&scene.warnings, watch);
-        let Fingerprints { scene: scene_hash, world: world_hash } = fingerprints(&scene)?;
+        watch.warn_once(&scene.warnings);
+        let Fingerprints { scene: scene_hash, world: world_hash, geometry } = fingerprints(&scene)?;
         guide.iter().try_for_each(|guide| guide.check_scene(&world_hash))?;
         let plan = Plan::new(&scene, &scene_hash, resumed, guide.as_ref(), options, watch)?;
         if options.files.as_ref().is_some_and(|files| files.guide.is_some()) {
@@ -101,7 +100,7 @@ impl Prepared {
         let source = input.source();
 
         let Plan { settings, length, earlier } = plan;
-        let Inputs { wanted, pictures, reference, .. } = inputs;
+        let Inputs { wanted, pictures, reference, kernels: kernel_files } = inputs;
         let checkpoint_every = checkpoint.as_ref().map(|file| file.every);
         Ok(Self {
             output: Output::new(&wanted, pictures, reference, denoiser, checkpoint_every),
@@ -111,10 +110,15 @@ impl Prepared {
                 scene_path,
                 scene_hash,
                 world_hash,
+                geometry,
+                bvh: None,
+                meshes: KeptMeshes::default(),
                 source,
                 kernels,
+                kernel_files,
+                options: options.for_other_scenes(),
                 times,
-                has_another_view: false,
+                is_changed: false,
             },
             devices: contexts.iter().map(|context| device_name(context)).collect(),
             guide: guide.zip(guide_cells),
@@ -184,7 +188,7 @@ fn open_and_load<'a>(
     thread::scope(|scope| {
         let local_rank = options.exchange.as_ref().map(|exchange| exchange.local_rank());
         let context = scope.spawn(move || options.device.open(local_rank));
-        let loaded = timed(|| input.load(watch));
+        let loaded = timed(|| input.load(None, watch));
         (context.join(), loaded)
     })
 }
@@ -217,17 +221,6 @@ fn build(
     let (fleet, pipeline_seconds) = timed(build)?;
     let guide_cells = guide.map(|guide| guide.cells(&fleet, &bvh));
     Ok((fleet, guide_cells, bvh_seconds, pipeline_seconds))
-}
-
-fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
-    let begin = Instant::now();
-    Ok((work()?, begin.elapsed().as_secs_f64()))
-}
-
-/// Tells `watch` every warning once.
-fn warn_once(warnings: &[String], watch: &Watch<'_>) {
-    let mut seen = HashSet::new();
-    warnings.iter().filter(|warning| seen.insert(*warning)).for_each(|warning| watch.warn(warning));
 }
 
 /// How tiles were dealt out, in one sentence.

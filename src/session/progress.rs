@@ -1,5 +1,6 @@
 //! Events and progress that a render reports while it runs.
 
+use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -141,5 +142,11 @@ impl Watch<'_> {
 
     pub(super) fn warn(&self, message: &str) {
         self.tell(Event::Warning(message));
+    }
+
+    /// Warns of each of these once.
+    pub(super) fn warn_once(&self, warnings: &[String]) {
+        let mut seen = HashSet::new();
+        warnings.iter().filter(|warning| seen.insert(*warning)).for_each(|warning| self.warn(warning));
     }
 }

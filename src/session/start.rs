@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use crate::scene::{self, LoadOptions, Scene};
+use crate::scene::{self, KeptMeshes, LoadOptions, Scene};
 use crate::session::checkpoints::CheckpointFile;
 use crate::session::options::Options;
 use crate::session::progress::{Event, Preparation, Watch};
@@ -116,7 +116,8 @@ impl Resumed {
 }
 
 impl<'a> SceneInput<'a> {
-    pub(super) fn load(&self, watch: &Watch<'_>) -> Result<Cow<'a, Scene>> {
+    /// The scene. Meshes whose files have not changed are taken from those that were `kept`.
+    pub(super) fn load(&self, kept: Option<&KeptMeshes>, watch: &Watch<'_>) -> Result<Cow<'a, Scene>> {
         // Only this part of the watch can be shared between threads.
         let events = watch.events;
         match self {
@@ -127,7 +128,11 @@ impl<'a> SceneInput<'a> {
             Self::Read { scene, .. } => Ok(Cow::Borrowed(scene)),
             Self::File { path, options } => {
                 let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
-                scene::load_with_progress(path, options, &show).map(Cow::Owned)
+                let scene = match kept {
+                    Some(kept) => scene::load_keeping(path, options, &show, kept),
+                    None => scene::load_with_progress(path, options, &show),
+                };
+                scene.map(Cow::Owned)
             }
         }
     }

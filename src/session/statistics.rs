@@ -1,7 +1,10 @@
 //! Numbers about a render, as `--stats` writes them.
 
+use std::time::Instant;
+
 use serde::{Deserialize, Serialize};
 
+use crate::Result;
 use crate::film::noise::NoiseReport;
 use crate::fleet::SharingTimes;
 use crate::gpu::DeviceInfo;
@@ -44,6 +47,12 @@ pub struct SetupTimes {
     /// Primitives of the scene.
     #[serde(skip)]
     pub primitive_count: usize,
+}
+
+/// What `work` gives, and the seconds that it has taken.
+pub(super) fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
+    let begin = Instant::now();
+    Ok((work()?, begin.elapsed().as_secs_f64()))
 }
 
 /// The software that produced the numbers.

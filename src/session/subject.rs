@@ -1,11 +1,15 @@
 //! The scene of a session and the kernels that render it.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use crate::encode::bvh::Bvh;
 use crate::scene::fingerprint::with_camera;
-use crate::scene::{Camera, EnvironmentChoice, LoadOptions};
+use crate::scene::{Camera, EnvironmentChoice, KeptMeshes, LoadOptions};
 use crate::session::checkpoint::SceneSource;
 use crate::session::files::absolute_path;
+use crate::session::kernel_files::KernelFiles;
+use crate::session::options::Options;
 use crate::session::statistics::SetupTimes;
 use crate::settings::Settings;
 use crate::{Error, Result};
@@ -17,13 +21,22 @@ pub(super) struct Subject {
     pub scene_hash: String,
     /// Fingerprint of the scene without its camera and film.
     pub world_hash: String,
+    /// Fingerprint of the scene's geometry.
+    pub geometry: u128,
+    /// Hierarchy of the scene, kept from the first change of the scene on.
+    pub bvh: Option<Arc<Bvh>>,
+    /// Meshes of the scene's files, kept from the first change of the scene on.
+    pub meshes: KeptMeshes,
     /// File of the scene, with the choices with which it is read; `None` for a scene made in memory.
     pub source: Option<(PathBuf, LoadOptions)>,
     /// Files that stand in for built-in kernels, with their hashes.
     pub kernels: Vec<String>,
+    pub kernel_files: KernelFiles,
+    /// What the caller has chosen about the render of any scene.
+    pub options: Options,
     pub times: SetupTimes,
-    /// Whether the camera or the size of the film was changed after the beginning.
-    pub has_another_view: bool,
+    /// Whether the scene, the camera or the size of the film was changed after the beginning.
+    pub is_changed: bool,
 }
 
 impl Subject {
@@ -39,7 +52,7 @@ impl Subject {
 
     /// Notes another view, whose camera is given if it was changed.
     pub fn change_view(&mut self, camera: Option<&Camera>) -> Result<()> {
-        self.has_another_view = true;
+        self.is_changed = true;
         if let Some(camera) = camera {
             self.scene_hash = with_camera(&self.scene_hash, camera)?;
         }
@@ -49,11 +62,10 @@ impl Subject {
     /// The scene as a checkpoint names it.
     ///
     /// # Errors
-    /// Where the scene was made in memory or another view was chosen, or a path is not UTF-8.
+    /// Where the scene was made in memory, or it or its view was changed, or a path is not UTF-8.
     pub fn scene_source(&self) -> Result<SceneSource> {
-        if self.has_another_view {
-            let message =
-                "a checkpoint needs the camera and the size that the render began with, but they were changed";
+        if self.is_changed {
+            let message = "a checkpoint needs the scene, the camera and the size that the render began with, but they were changed";
             return Err(Error::Settings(message.into()));
         }
         let Some((path, options)) = &self.source else {

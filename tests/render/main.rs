@@ -4,6 +4,7 @@
 //! that must fail.
 
 mod analytic;
+mod another_scene;
 mod another_view;
 mod blue_noise;
 mod cells;

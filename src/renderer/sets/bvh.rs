@@ -64,6 +64,11 @@ impl BvhSet {
         Ok(Self { set: set_over(context, "bvh", shape, &numbered)?, built_for })
     }
 
+    /// Whether this is the set of the same geometry seen from `eye`.
+    pub fn is_seen_from(&self, eye: Vec3) -> bool {
+        self.built_for.is_none_or(|(first, _)| first == eye)
+    }
+
     /// Refuses an eye from which rays come that the acceleration structure does not cover.
     pub fn check_eye(&self, eye: Vec3) -> Result<()> {
         match self.built_for {

@@ -25,25 +25,32 @@ mod shapes;
 /// All descriptor sets of a render, with the buffers that they show to kernels.
 pub(crate) struct Sets {
     pub frame: Frame,
-    pub bvh: BvhSet,
+    pub bvh: Arc<BvhSet>,
     pub radiance_grid: RadianceGrid,
     pub normalization_grid: NormalizationGrid,
 }
 
+/// What the sets show of a scene.
+pub(crate) struct Shown<'a> {
+    pub scene: &'a Scene,
+    pub shading: &'a Shading,
+    pub bvh: &'a Bvh,
+    pub cells: Cells,
+    /// The hierarchy, where the device has it already.
+    pub uploaded: Option<Arc<BvhSet>>,
+}
+
 impl Sets {
     /// Uploads the scene and allocates film and grids.
-    pub fn new(
-        context: &Arc<Context>,
-        kernels: &Kernels,
-        scene: &Scene,
-        shading: &Shading,
-        bvh: &Bvh,
-        cells: &Cells,
-        settings: &Settings,
-    ) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, shown: &Shown<'_>, settings: &Settings) -> Result<Self> {
+        let Shown { scene, shading, bvh, cells, uploaded } = shown;
+        let bvh_set = match uploaded {
+            Some(uploaded) => Arc::clone(uploaded),
+            None => BvhSet::new(context, kernels, bvh, scene.camera.eye())?.into(),
+        };
         Ok(Self {
             frame: Frame::new(context, kernels, scene, shading, bvh, cells, settings)?,
-            bvh: BvhSet::new(context, kernels, bvh, scene.camera.world_from_camera.w_axis.truncate())?,
+            bvh: bvh_set,
             radiance_grid: RadianceGrid::new(context, kernels, settings, cells, &shading.lights)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings, cells)?,
         })

@@ -16,6 +16,7 @@ use super::cameras;
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::instances::{self, Arranged, Item, Placed};
+use super::kept_meshes::KeptMeshes;
 use super::materials::{Materials, conserve_energy};
 use super::media::MediumList;
 use super::projector::Projector;
@@ -65,7 +66,14 @@ impl fmt::Display for LoadProgress {
 /// Only `sample_count` of the sampler is read, because samplers differ in their patterns alone. Parameters that cannot
 /// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
 /// [`Scene::warnings`].
-pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+///
+/// Meshes of files are taken from `kept` and left there, if it is given.
+pub(in crate::scene) fn build(
+    description: &mut Description,
+    options: &LoadOptions,
+    progress: &Watch,
+    kept: Option<&KeptMeshes>,
+) -> Result<Scene> {
     let (warnings, faults) = (mem::take(&mut description.warnings), mem::take(&mut description.faults));
     let description = &*description;
     let scope = Rc::new(Whole::new(description)?);
@@ -95,7 +103,7 @@ pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptio
         let added = builder.add(entry);
         builder.faults.keep(added);
     }
-    builder.finish(options, progress)
+    builder.finish(options, progress, kept)
 }
 
 /// Most shapes and instances of a scene.
@@ -398,7 +406,7 @@ impl<'a> Builder<'a> {
         objects.first().copied()
     }
 
-    fn finish(mut self, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    fn finish(mut self, options: &LoadOptions, progress: &Watch, kept: Option<&KeptMeshes>) -> Result<Scene> {
         let Description { ref path, format, .. } = *self.description;
         let integrator = self.integrator();
         let integrator = self.faults.keep(integrator).unwrap_or_default();
@@ -434,11 +442,15 @@ impl<'a> Builder<'a> {
         let in_memory = in_memory.into_iter().filter_map(|(file, _)| self.scope.meshes.get(file.index_in_memory()?));
         let budget = TriangleBudget::new(MAX_TRIANGLES, in_memory.map(|mesh| mesh.triangles.len()).sum());
         check_promised(&files, &budget)?;
-        let read = |file: &MeshFile| mesh::read(&file.path, file.format, &attributes);
+        let read = |file: &MeshFile| {
+            let read = || mesh::read(&file.path, file.format, &attributes);
+            kept.map_or_else(|| read().map(Arc::new), |kept| kept.get_or_read(file, &attributes, read))
+        };
         let read_meshes = || read_meshes(files, &budget, &read, progress);
         let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), read_meshes);
         let Decoded { images: decoded, indices, warnings, faults } = decoded;
         let (mut meshes, of_meshes) = meshes;
+        kept.iter().for_each(|kept| kept.keep_only(&meshes));
         let given = self.scope.meshes.iter().enumerate();
         meshes.extend(given.map(|(index, mesh)| (MeshFile::in_memory(index), Arc::clone(mesh))));
         faults.into_iter().chain(of_meshes).for_each(|fault| self.faults.add(fault));
@@ -560,7 +572,7 @@ fn check_promised<'s>(files: &[(&'s MeshFile, &'s Origin)], budget: &TriangleBud
 fn read_meshes(
     files: Vec<(&MeshFile, &Origin)>,
     budget: &TriangleBudget,
-    read: &(dyn Fn(&MeshFile) -> Result<Mesh> + Sync),
+    read: &(dyn Fn(&MeshFile) -> Result<Arc<Mesh>> + Sync),
     progress: &Watch,
 ) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
     let mut files: Vec<_> = files.into_iter().enumerate().collect();
@@ -573,7 +585,7 @@ fn read_meshes(
         }
         let mesh = read(file).and_then(|mesh| budget.add(mesh.triangles.len(), &file.path, origin).map(|()| mesh));
         progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
-        Some((place, mesh.map(|mesh| (file.clone(), Arc::new(mesh)))))
+        Some((place, mesh.map(|mesh| (file.clone(), mesh))))
     };
     // `par_bridge` hands files out one by one, so this order holds.
     let mut results: Vec<_> = files.into_iter().par_bridge().filter_map(read).collect();
@@ -657,7 +669,7 @@ mod tests {
         let read_count = AtomicUsize::new(0);
         let read = |_: &MeshFile| {
             read_count.fetch_add(1, Ordering::Relaxed);
-            Ok(Mesh { triangles: vec![[0; 3]; 10], ..Mesh::default() })
+            Ok(Arc::new(Mesh { triangles: vec![[0; 3]; 10], ..Mesh::default() }))
         };
         let read_with = |limit| {
             let files = files.iter().map(|file| (file, &origin)).collect();

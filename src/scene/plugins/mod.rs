@@ -13,6 +13,7 @@ mod flatten;
 mod grid_file;
 mod instances;
 mod integrator;
+pub(crate) mod kept_meshes;
 pub mod load;
 mod materials;
 mod media;

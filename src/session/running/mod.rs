@@ -8,6 +8,7 @@
 //!
 //! A render that changes its camera begins the film anew and keeps the other two. One that changes its scene keeps the guide.
 
+mod another_scene;
 mod another_view;
 mod continuation;
 mod report;
