@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use lodestar::encode::bvh::Bvh;
 use lodestar::radiance_map::{MappedScene, SurfacePoint};
-use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
+use lodestar::session::{Event, Options, Session, Start, Watch};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -28,7 +28,7 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct Shared {
     /// The session, until the end.
     session: Option<Mutex<Session>>,
-    subject: Subject,
+    subject: Mutex<Subject>,
     /// Surfaces that pixels show, as far as they were asked for.
     points: Mutex<HashMap<(u32, u32), SurfacePoint>>,
     /// Whether `Renderer.stop` was called.
@@ -55,7 +55,8 @@ impl Shared {
                 return Ok(known);
             }
             let session = self.session();
-            let scene = self.subject.scene()?;
+            let subject = lock(&self.subject).clone();
+            let scene = subject.scene()?;
             let scene = match *session.camera() {
                 camera if camera == scene.camera => scene,
                 camera => Arc::new(lodestar::Scene { camera, camera_motion: None, ..(*scene).clone() }),
@@ -137,28 +138,17 @@ impl Renderer {
         let warnings = Mutex::new(Vec::new());
         let start = || {
             let watch = Watch { stop: &|| false, events: &|event| keep_warning(event, &warnings) };
-            let start = match (resumed, &subject.scene, &subject.file) {
-                (Some((checkpoint, moved_scene)), ..) => Start::Resume { checkpoint, moved_scene },
-                (None, Some(scene), Some(SceneFile { path, options })) => {
-                    Start::Anew(SceneInput::Read { scene, path: path.clone(), options: options.clone() })
-                }
-                (None, Some(scene), None) => Start::Anew(SceneInput::Memory(scene)),
-                (None, None, file) => {
-                    let SceneFile { path, options } = file.clone().unwrap_or_default();
-                    Start::Anew(SceneInput::File { path, options })
-                }
+            let start = match resumed {
+                Some((checkpoint, moved_scene)) => Start::Resume { checkpoint, moved_scene },
+                None => Start::Anew(subject.input()),
             };
             Session::start(start, options, &watch)
         };
         let session = detached(py, start)?.map_err(raised)?;
-        // A scene that was loaded before has shown its warnings already.
-        let mut warnings = std::mem::take(&mut *lock(&warnings));
-        let known = subject.scene.as_ref().map_or(&[][..], |scene| &scene.warnings);
-        warnings.retain(|warning| !known.contains(warning));
-        warn(py, &warnings)?;
+        warn(py, &subject.unknown(std::mem::take(&mut *lock(&warnings))))?;
         Ok(Self(Arc::new(Shared {
             session: Some(Mutex::new(session)),
-            subject,
+            subject: Mutex::new(subject),
             points: Mutex::default(),
             is_stopped: AtomicBool::new(false),
         })))
@@ -334,7 +324,7 @@ impl Renderer {
     }
 
     /// Ends the render, from any thread: a step that another thread takes returns after its next dispatch, with fewer samples, and later
-    /// ones take none. The picture so far stays. `set_camera` and `set_size` begin anew and end the stop.
+    /// ones take none. The picture so far stays. `set_scene`, `set_camera` and `set_size` begin anew and end the stop.
     fn stop(&self) {
         self.0.is_stopped.store(true, Ordering::Relaxed);
     }
@@ -342,6 +332,37 @@ impl Renderer {
     /// The picture so far.
     fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
         self.picture_with(py, None)
+    }
+
+    /// Renders another scene from now on: the scene before after a change, or any other one. The guide stays, each cell takes what the
+    /// nearest cell has learned, and hierarchy and kernels stay where they suit. The picture and all counters begin anew, with another
+    /// seed, as for `set_camera`; the film keeps its size, and the settings are those that the render began with. Where this fails, the
+    /// render goes on as before.
+    ///
+    /// Parameters
+    /// ----------
+    /// scene : Scene, path or dict
+    ///     The scene, as `lodestar.load` takes it.
+    /// camera, environment : str, int or path
+    ///     For a scene in a file, as `lodestar.load` takes them.
+    #[pyo3(signature = (scene, *, camera = None, environment = None))]
+    fn set_scene(
+        &self,
+        scene: &Bound<'_, PyAny>,
+        camera: Option<&Bound<'_, PyAny>>,
+        environment: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let (py, subject) = (scene.py(), Subject::of(scene, Choices { camera, environment })?);
+        let warnings = Mutex::new(Vec::new());
+        let changed = |session: &mut Session| {
+            let watch = Watch { stop: &|| false, events: &|event| keep_warning(event, &warnings) };
+            session.set_scene_watched(subject.input(), &watch)?;
+            *lock(&self.0.subject) = subject.clone();
+            Ok(())
+        };
+        self.change(py, changed)?;
+        let warnings = std::mem::take(&mut *lock(&warnings));
+        warn(py, &subject.unknown(warnings))
     }
 
     /// Shows the scene from now on by another camera, which stands still. The guide stays, so the first samples are guided already. The
@@ -355,12 +376,12 @@ impl Renderer {
     ///     is taken. The film of either is left out.
     fn set_camera(&self, camera: &Bound<'_, PyAny>) -> PyResult<()> {
         let (py, camera) = (camera.py(), scene::camera_of(camera)?);
-        self.change_view(py, |session| session.set_camera(&camera))
+        self.change(py, |session| session.set_camera(&camera))
     }
 
     /// Renders from now on a film of another size in pixels. The guide stays; everything else begins anew, as for `set_camera`.
     fn set_size(&self, py: Python<'_>, width: u32, height: u32) -> PyResult<()> {
-        self.change_view(py, |session| session.set_size(width, height))
+        self.change(py, |session| session.set_size(width, height))
     }
 
     /// Writes a checkpoint of the render so far, from which `lodestar.resume` goes on to the same bits. The scene must have been
@@ -433,18 +454,16 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Changes the view. The surfaces that pixels showed are forgotten.
-    fn change_view(
-        &self,
-        py: Python<'_>,
-        change: impl FnOnce(&mut Session) -> lodestar::Result<()> + Send,
-    ) -> PyResult<()> {
-        // A stop that comes while the view changes is for the picture before the change.
-        let changed =
-            |session: &mut Session| change(session).inspect(|()| self.0.is_stopped.store(false, Ordering::Relaxed));
-        self.0.with(py, changed)?.map_err(raised)?;
-        lock(&self.0.points).clear();
-        Ok(())
+    /// Changes the scene or the view. The surfaces that pixels showed are forgotten.
+    fn change(&self, py: Python<'_>, change: impl FnOnce(&mut Session) -> lodestar::Result<()> + Send) -> PyResult<()> {
+        // A stop that comes while something changes is for the picture before the change.
+        let changed = |session: &mut Session| {
+            change(session)?;
+            self.0.is_stopped.store(false, Ordering::Relaxed);
+            lock(&self.0.points).clear();
+            Ok(())
+        };
+        self.0.with(py, changed)?.map_err(raised)
     }
 
     fn has_samples(&self, py: Python<'_>) -> PyResult<bool> {

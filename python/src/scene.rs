@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use lodestar::scene::summary::summarize;
 use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, scene_file};
+use lodestar::session::SceneInput;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
@@ -61,6 +62,27 @@ impl Subject {
             return Ok(Self { scene: Some(scene.scene), file: None });
         }
         path_of(scene).map(|path| Self { scene: None, file: Some(SceneFile { path, options: LoadOptions::default() }) })
+    }
+
+    /// The scene as a session takes it.
+    pub fn input(&self) -> SceneInput<'_> {
+        match (&self.scene, &self.file) {
+            (Some(scene), Some(SceneFile { path, options })) => {
+                SceneInput::Read { scene, path: path.clone(), options: options.clone() }
+            }
+            (Some(scene), None) => SceneInput::Memory(scene),
+            (None, file) => {
+                let SceneFile { path, options } = file.clone().unwrap_or_default();
+                SceneInput::File { path, options }
+            }
+        }
+    }
+
+    /// Warnings of a session that were not shown yet. Those of a scene that was loaded before were.
+    pub fn unknown(&self, mut warnings: Vec<String>) -> Vec<String> {
+        let known = self.scene.as_ref().map_or(&[][..], |scene| &scene.warnings);
+        warnings.retain(|warning| !known.contains(warning));
+        warnings
     }
 
     /// The scene. It is read if it is not in memory.

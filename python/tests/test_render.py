@@ -420,10 +420,65 @@ def test_the_camera_changes_and_the_guide_stays(room_scene):
         renderer.set_size(0, 4)
 
 
+def test_the_scene_changes_and_the_guide_stays(room_scene, tmp_path):
+    settings = {"nee": False, "directions": 16}
+    ball = {"type": "sphere", "center": [0.3, 0.5, 0.2], "radius": 0.3, "bsdf": {"type": "diffuse"}}
+    changed = {**room_scene, "ball": ball}
+    pictures = []
+    for scene in (changed, lodestar.load(changed)):
+        renderer = lodestar.Renderer(room_scene, seed=1, width=32, height=24, **settings)
+        renderer.step(8)
+        guide, before = renderer.guide, renderer.guide.surface_at((16, 12))
+        renderer.set_scene(scene)
+        assert renderer.samples == 0 and renderer.settings["seed"] == 2
+        # The surfaces that pixels show are those of the new scene.
+        assert renderer.guide.surface_at((16, 12)) != before
+        renderer.step(8)
+        pictures.append(renderer.picture().radiance)
+    anew = lodestar.Renderer(changed, seed=2, width=32, height=24, guide=guide, **settings)
+    anew.step(8)
+    pictures.append(anew.picture().radiance)
+    assert (pictures[0] == pictures[1]).all() and (pictures[0] == pictures[2]).all()
+    with pytest.raises(lodestar.Error, match="missing.xml"):
+        renderer.set_scene(tmp_path / "missing.xml")
+    with pytest.raises(lodestar.Error, match="lodestar.load"):
+        renderer.set_scene(lodestar.load(changed), camera="fit")
+    # What was refused has changed nothing.
+    assert renderer.samples == 8 and (renderer.picture().radiance == pictures[0]).all()
+
+
+def test_a_scene_in_a_file_is_read_again(room_scene, tmp_path):
+    file = tmp_path / "scene.xml"
+    text = '<scene version="3.0.0"><shape type="ply"><string name="filename" value="a.ply"/></shape><emitter type="constant"/></scene>'
+    corners = ("0 0 0", "1 0 0", "0 1 0"), ("0 0 0", "1 0 0", "1 1 0")
+    ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    ply += "property list uchar int vertex_indices\nend_header\n"
+
+    def write(at):
+        (tmp_path / "a.ply").write_text(ply + "\n".join(corners[at]) + "\n3 0 1 2\n")
+        os.utime(tmp_path / "a.ply", (at, at))
+
+    file.write_text(text)
+    write(0)
+    settings = {"camera": "fit", "width": 32, "height": 24}
+    renderer = lodestar.Renderer(file, sampler="bsdf", **settings)
+    for at in (1, 1, 0):
+        write(at)
+        renderer.set_scene(file, camera="fit")
+        renderer.step(2)
+        anew = lodestar.Renderer(file, sampler="bsdf", **settings)
+        anew.step(2)
+        assert (renderer.picture().radiance == anew.picture().radiance).all()
+
+
 def test_a_stop_ends_with_another_view(room_scene):
     renderer = lodestar.Renderer(room_scene, seed=1, width=32, height=24)
     renderer.stop()
     assert renderer.step(4) == 0
+    renderer.set_scene(room_scene)
+    assert renderer.step(4) == 4
+    renderer.stop()
+    assert renderer.step(4) == 4
     renderer.set_size(24, 20)
     assert renderer.step(4) == 4
     renderer.stop()
