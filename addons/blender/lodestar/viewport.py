@@ -113,7 +113,7 @@ class Viewport:
         # The rest belongs to the thread.
         self._renderer: Optional[Any] = None
         self._before: Optional[Any] = None
-        self._device: Optional[str] = None
+        self._options: dict[str, Any] = {}
         self._view: Optional[View] = None
         self._pixel = 1
         self._samples, self._is_denoised = 0, False
@@ -243,18 +243,26 @@ class Viewport:
         # A scene that cannot be read leaves what is known to the next one.
         self._before, self._renderer, self._view = self._renderer or self._before, None, None
         pixel = self._detail.first(view, quality.pixel)
-        width, height = view.film(pixel)
-        options = {**options, "width": width, "height": height}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            renderer = self._renderer_of(self._before, scene_file, options)
-        self._before, self._device = None, options.get("device")
+            renderer = self._renderer_of(self._before, scene_file, options, view.film(pixel))
+        self._before, self._options = None, options
         with self._news:
             self._renderer = renderer
         self._follow(view, pixel)
 
-    def _renderer_of(self, before: Optional[Any], scene_file: Path, options: dict[str, Any]) -> Any:
-        """Render of a scene, with as much of the one before as suits: its device with the kernels, and what its guide has learned."""
+    def _renderer_of(self, before: Optional[Any], scene_file: Path, options: dict[str, Any], size: tuple[int, int]) -> Any:
+        """Render of a scene: the one before, where it can change to it, or another one with as much of it as suits, its device with the
+        kernels, and what its guide has learned."""
+        width, height = size
+        if before is not None and options == self._options:
+            try:
+                _resize(before, size)
+                before.set_scene(str(scene_file))
+                return before
+            except self._package.Error:
+                pass
+        options = {**options, "width": width, "height": height}
         for inherited in self._inherited(before, options):
             try:
                 return self._package.Renderer(str(scene_file), **{**options, **inherited})
@@ -268,7 +276,7 @@ class Viewport:
         chosen = options.get("device")
         # A renderer has several devices where they are listed.
         is_one = chosen is None or (chosen != "all" and "," not in chosen)
-        device = {"device": before} if is_one and chosen == self._device else {}
+        device = {"device": before} if is_one and chosen == self._options.get("device") else {}
         settings = before.settings
         # A sampler's guide serves that sampler, and an unguided one has none.
         if options["sampler"] == settings["sampler"] != "bsdf":
@@ -280,10 +288,7 @@ class Viewport:
         """Moves the camera and shows the first picture."""
         renderer = self._renderer
         assert renderer is not None
-        width, height = view.film(pixel)
-        settings = renderer.settings
-        if (settings["width"], settings["height"]) != (width, height):
-            renderer.set_size(width, height)
+        _resize(renderer, view.film(pixel))
         renderer.set_camera(view.sensor(pixel))
         is_first = view != self._view
         self._view, self._pixel, self._samples = view, pixel, 0
@@ -344,6 +349,12 @@ class Viewport:
         colors = np.empty((*radiance.shape[:2], 4), np.float32)
         colors[..., :3], colors[..., 3] = radiance[::-1], picture.alpha[::-1]
         return colors
+
+
+def _resize(renderer: Any, size: tuple[int, int]) -> None:
+    settings = renderer.settings
+    if (settings["width"], settings["height"]) != size:
+        renderer.set_size(*size)
 
 
 def _work(viewport: weakref.ref[Viewport], news: threading.Condition) -> None:

@@ -29,14 +29,12 @@ class Renderer:
 
     seconds, seconds_to_read, denoises, refused = 0.001, 0.0, False, ""
     all: list[Any] = []
+    # Scenes that were read.
+    texts: list[str] = []
     alive = 0
 
     def __init__(self, scene: str, **options: Any) -> None:
-        if Renderer.refused:
-            raise Error(Renderer.refused)
-        with open(scene, encoding="utf-8") as file:
-            self.text = file.read()
-        time.sleep(Renderer.seconds_to_read)
+        self.text = _read(scene)
         # As the real one, it keeps the device, not the other renderer.
         device = options.get("device")
         self.options = {**options, "device": id(device) if isinstance(device, Renderer) else device}
@@ -75,6 +73,10 @@ class Renderer:
     def stop(self) -> None:
         self._is_stopped.set()
 
+    def set_scene(self, scene: str) -> None:
+        self.text = _read(scene)
+        self._begin_anew(("scene", scene))
+
     def set_camera(self, camera: dict[str, Any]) -> None:
         if camera["near_clip"] > camera["far_clip"]:
             raise Error("the far plane must lie behind the near one")
@@ -95,10 +97,20 @@ class Renderer:
         return Picture(self.settings["width"], self.settings["height"], float(self.samples))
 
 
+def _read(scene: str) -> str:
+    if Renderer.refused:
+        raise Error(Renderer.refused)
+    with open(scene, encoding="utf-8") as file:
+        text = file.read()
+    time.sleep(Renderer.seconds_to_read)
+    Renderer.texts.append(text)
+    return text
+
+
 def options() -> list[dict[str, Any]]:
     return [{"name": "grid", "type": "str"}]
 
 
 def reset() -> None:
     Renderer.seconds, Renderer.seconds_to_read, Renderer.denoises, Renderer.refused = 0.001, 0.0, False, ""
-    Renderer.all = []
+    Renderer.all, Renderer.texts = [], []

@@ -88,22 +88,35 @@ def test_a_view_that_moves_without_an_end_is_seen(viewport: Viewport) -> None:
     assert len(shown) > 5
 
 
-def test_another_scene_begins_with_the_guide_and_the_device_of_the_one_before(viewport: Viewport, tmp_path: Path) -> None:
+def test_another_scene_is_taken_by_the_same_session(viewport: Viewport, tmp_path: Path) -> None:
+    Renderer.seconds = 0.01
     viewport.show(view(), Quality(samples=2))
     wait(lambda: is_at_rest(viewport))
-    (first,) = Renderer.all
+    (renderer,) = Renderer.all
     (tmp_path / "scene.xml").write_text("second")
     viewport.change(tmp_path / "scene.xml", OPTIONS)
     assert viewport.is_reading and viewport.status == "Preparing the scene"
     wait(lambda: is_at_rest(viewport))
+    assert Renderer.all == [renderer] and renderer.text == "second" and not viewport.is_reading
+    # It is small when the scene comes: a film of full size would have other cells of the guide, and other kernels.
+    names = [name for name, _ in renderer.calls]
+    at = names.index("scene")
+    assert names[at - 1] == "size" and renderer.calls[at - 1][1][0] <= WIDTH / 4
+
+
+def test_other_options_begin_with_the_guide_and_the_device_of_the_one_before(viewport: Viewport, tmp_path: Path) -> None:
+    viewport.show(view(), Quality(samples=2))
+    wait(lambda: is_at_rest(viewport))
+    (first,) = Renderer.all
+    viewport.change(tmp_path / "scene.xml", {**OPTIONS, "grid": "8"})
+    wait(lambda: len(Renderer.all) == 2 and is_at_rest(viewport))
     second = Renderer.all[1]
-    assert second.text == "second" and not viewport.is_reading
     assert set(second.options["guide"]) and second.options["device"] == id(first)
     # A guide must not have learned from the samples that it guides.
     assert second.options["seed"] not in second.options["guide"]
     # Another device that is chosen, and several of them, are taken as they are.
     for at, device in enumerate(("1", "0,1", "0,1"), 2):
-        viewport.change(tmp_path / "scene.xml", {**OPTIONS, "device": device})
+        viewport.change(tmp_path / "scene.xml", {**OPTIONS, "max_depth": at, "device": device})
         wait(lambda: len(Renderer.all) == at + 1 and is_at_rest(viewport))
         assert Renderer.all[at].options["device"] == device and Renderer.all[at].options["guide"]
 
@@ -118,9 +131,8 @@ def test_a_scene_that_is_refused_is_told_and_the_next_one_is_shown(viewport: Vie
     Renderer.refused = ""
     viewport.change(tmp_path / "scene.xml", OPTIONS)
     wait(lambda: is_at_rest(viewport))
-    assert viewport.status == "Sample 1/1"
-    # What was learned before the fault is not lost.
-    assert Renderer.all[-1].options["guide"]
+    # The session before the fault goes on, and what was learned is not lost.
+    assert viewport.status == "Sample 1/1" and len(Renderer.all) == 1
 
 
 def test_a_view_that_is_refused_is_told_until_the_next_one(viewport: Viewport) -> None:
@@ -179,7 +191,8 @@ def test_many_changes_leave_one_render(viewport: Viewport, tmp_path: Path) -> No
         time.sleep(0.001)
     viewport.show(view(), Quality(samples=3))
     wait(lambda: is_at_rest(viewport))
-    assert viewport.status == "Sample 3/3" and len(Renderer.all) > 10
+    assert viewport.status == "Sample 3/3"
+    assert sum(name == "scene" for renderer in Renderer.all for name, _ in renderer.calls) > 10
     Renderer.all = []
     gc.collect()
     assert Renderer.alive == 1
