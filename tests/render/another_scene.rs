@@ -64,7 +64,7 @@ const CHANGES: [(&str, Change); 12] = [
     ("a place", |s| s.primitives.last_mut().expect("a shape").origin.x -= 20.0),
     ("a place beyond the box", |s| s.primitives.last_mut().expect("a shape").origin.y += 900.0),
     ("a shape more", |s| s.add_sphere([200.0, 300.0, 200.0], 60.0, some_surface())),
-    ("a shape less", |s| drop(s.primitives.pop())),
+    ("a shape less", |s| s.primitives.truncate(s.primitives.len() - 1)),
     ("an environment", |s| s.environment = Some(Environment::constant(Vec3::splat(0.3)))),
     ("a lamp more", |s| s.add_facing_disk([270.0, 200.0, 270.0], 20.0, [5.0; 3])),
     ("the integrator", |s| s.integrator.max_depth = Some(4)),
@@ -186,7 +186,7 @@ fn many_changes_leave_nothing_behind() {
         match round % 4 {
             0 => changed.emitters[0].radiance.value *= 2.0,
             1 => set_color(&mut changed),
-            2 => drop(changed.primitives.pop()),
+            2 => changed.primitives.truncate(changed.primitives.len() - 1),
             _ => {}
         }
         session.set_scene(&changed).expect("another scene");
