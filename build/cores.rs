@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 use std::{env, thread};
 
 /// Bytes of a thread's stack. The optimizer of SPIR-V recurses along the blocks of a kernel.
-const STACK: usize = 256 << 20;
+const STACK: usize = 1 << 30;
 
 /// Runs all jobs on all cores. Returns their results in the order of the jobs.
 pub fn on_all_cores<T: Send>(job_count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {

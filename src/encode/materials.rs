@@ -174,6 +174,8 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     let has_holes = surface.opacity != Textured::constant(1.0);
     writer.flag(constants::MATERIAL_HOLES, has_holes);
     writer.flag(constants::MATERIAL_LETS_THROUGH, has_holes || matches!(surface.bsdf, Bsdf::ThinDielectric { .. }));
+    let is_plain = !has_holes && surface.coating.is_none() && surface.sheen.is_none();
+    writer.flag(constants::MATERIAL_REFRACTS, is_plain && matches!(surface.bsdf, Bsdf::Dielectric { .. }));
     surface.bsdf.clone().visit(&mut |parameter, value| match value {
         Value::Color(color) => writer.color(parameter, color),
         Value::Scalar(scalar) => writer.scalar(parameter, scalar),

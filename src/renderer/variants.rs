@@ -6,6 +6,7 @@ use crate::encode::lights::Lights;
 use crate::encode::materials;
 use crate::encode::media;
 use crate::encode::surfaces::{Shading, Surfaces};
+use crate::generated::constants;
 use crate::generated::kernels::{self, Variant};
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::quadtrees;
@@ -36,7 +37,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         camera_segments: scene.camera_motion.as_ref().map_or(0, |motion| motion.segments().len() as u32),
         camera: camera_kind(scene.camera.projection),
         material_kinds: materials::kinds(scene),
-        surface_features: materials::features(scene),
+        surface_features: materials::features(scene) | feature_of_connections(shading, bvh),
         texture_kinds: shading.surfaces.textures.kinds,
         program_operations: shading.surfaces.textures.operations as u32,
         program_later_operations: (shading.surfaces.textures.operations >> 32) as u32,
@@ -51,6 +52,16 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         shares_at: shares_at(settings, cells.count()),
         ..variant_of_settings(settings)
     }
+}
+
+/// The feature that connections to lights go on through materials that refract, where the scene has such materials and lights that a ray
+/// can meet.
+fn feature_of_connections(shading: &Shading, bvh: &Bvh) -> u32 {
+    let mut materials = shading.surfaces.materials.iter();
+    let refracts = materials.any(|record| record.kind_and_flags & constants::MATERIAL_REFRACTS != 0);
+    let has_environment = shading.lights.environment_kind() != constants::ENVIRONMENT_NONE;
+    let meets = || has_environment || bvh.surfaces().any(|(_, _, attributes)| attributes.emitter != constants::NONE);
+    if refracts && meets() { constants::FEATURE_REFRACTED_CONNECTIONS } else { 0 }
 }
 
 /// The specialization constants that settings alone decide; what a scene decides is left at its default.

@@ -11,7 +11,7 @@ use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::mutated::{
     DIMMED_TWICE, FAR_OFF, FEW_SURFACES, GRID_DIMMED_TWICE, INSTANCE_FAULTS, LOW_MAJORANTS, MOTION_FAULTS, OTHER_PHASE,
-    OTHER_SIDE, SHORT_OF_LIGHT, TILTED_BACK, TURNED_TO_HOLE, UNWEIGHTED_NULL,
+    OTHER_SIDE, SHORT_OF_LIGHT, TILTED_BACK, TURNED_TO_HOLE, UNWEIGHTED_NULL, WRONG_DIRECTION,
 };
 use support::tier;
 
@@ -95,6 +95,8 @@ const FAULTS: &[Fault] = &[
     kernels("holes that shadow rays do not pass", EMITTERS, MIX),
     kernels("light that passes each surface twice", EMITTERS, MIX),
     kernels("the density at the last hole", EMITTERS, MIX),
+    kernels("light that refraction does not weaken", EMITTERS, MIX),
+    kernels("refracted light counted twice", EMITTERS, MIX),
     kernels("light selection counts the light that it has drawn", EMITTERS, PRODUCT),
     kernels("a light that is hit has the density within its group", EMITTERS, PRODUCT),
     kernels("densities 5 % off", FURNACE, MIX),
@@ -249,11 +251,11 @@ const OF_MEDIA: [&str; 6] = [DIMMED_TWICE, OTHER_SIDE, OTHER_PHASE, GRID_DIMMED_
 
 /// Every mutation is used: a mutation that no test uses would prove nothing. `SHORT_OF_LIGHT` and `FAR_OFF` show what another
 /// renderer does, `FEW_SURFACES` reaches a bound, `TILTED_BACK` is found in `tests/render/relief.rs`, `TURNED_TO_HOLE` in
-/// `tests/render/facing.rs`, and the faults of media and of instances need such scenes; they have tests of their own.
+/// `tests/render/facing.rs`, `WRONG_DIRECTION` in `tests/render/passages.rs`, and the faults of media and of instances need such scenes; they have tests of their own.
 #[test]
 fn every_mutation_is_a_fault_or_harmless() {
     let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));
-    let elsewhere = [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK, TURNED_TO_HOLE]
+    let elsewhere = [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK, TURNED_TO_HOLE, WRONG_DIRECTION]
         .into_iter()
         .chain(OF_MEDIA)
         .chain(INSTANCE_FAULTS)

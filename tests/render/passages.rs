@@ -1,14 +1,17 @@
-//! Light that goes straight on through holes and thin sheets of glass: closed forms, bits, and the bound of shadow rays.
+//! Light that goes on through holes, thin sheets of glass and surfaces that refract it: closed forms, bits, and the bound of shadow rays.
 
 use std::fmt::Write as _;
 
 use glam::{DVec3, Vec3, dvec3};
 use lodestar::film::Picture;
+use lodestar::math::fresnel::fresnel_dielectric;
 use lodestar::scene::{LoadOptions, Scene, load};
 use lodestar::settings::{Execution, Learner, Sampler, Settings, UNLIMITED_DEPTH};
 use support::estimate::{Comparison, Estimate, WHOLE};
-use support::floor::floor_radiance;
-use support::mutated::{FEW_SURFACES, PASSED_TWICE, SHUT, WRONG_VERTEX};
+use support::floor::{ALBEDO, floor_radiance};
+use support::mutated::{
+    FEW_SURFACES, NOT_WEAKENED, PASSED_TWICE, REFRACTED_TWICE, SHUT, WRONG_DIRECTION, WRONG_VERTEX,
+};
 use support::panes::{Pane, covered, with_panes};
 use support::scenes::{ours, settings};
 use support::significance::{ALPHA, sidak, two_sided};
@@ -141,6 +144,81 @@ fn guided_pictures_with_panes_agree_with_unguided_ones() {
             println!("{sampler:?}, {SHUT}: {wrong:?}");
             assert!(!wrong.agrees(), "{SHUT}: {wrong:?}");
         }
+    }
+}
+
+/// A slab of glass, from below.
+const SLAB: [Pane; 2] = [Pane::Interface(1.5), Pane::Interface(1.0 / 1.5)];
+
+/// Radiance of the floor below a slab under a constant sky, without light that the slab or the floor reflects.
+fn below_slab() -> f64 {
+    let count = 10_000;
+    let integral: f64 = (0..count)
+        .map(|at| (f64::from(at) + 0.5) / f64::from(count))
+        .map(|cosine| cosine * (1.0 - fresnel_dielectric(cosine, 1.5).reflectance).powi(2))
+        .sum();
+    let sky = (1.0 + 0.75 + 0.5) / 3.0;
+    ALBEDO * sky * 0.75 * 0.75 * 2.0 * integral / f64::from(count)
+}
+
+/// The sky through a slab. Four edges are too few for a path that the slab reflects.
+#[test]
+fn light_through_a_slab_is_its_closed_form() {
+    let device = Device::new();
+    let expected = below_slab();
+    let render = |device: &Device, nee, sampler, execution| {
+        floor(device, "constant", &SLAB, |s| {
+            (s.max_depth, s.nee, s.sampler, s.execution) = (4, nee, sampler, execution);
+        })
+    };
+    for (nee, sampler, execution) in [
+        (false, Sampler::Bsdf, Execution::Megakernel),
+        (true, Sampler::Bsdf, Execution::Megakernel),
+        (true, Sampler::Product, Execution::Wavefront),
+        (true, Sampler::RejectionMix, Execution::Megakernel),
+    ] {
+        assert_is("slab", render(&device, nee, sampler, execution), expected);
+    }
+    let wrong = render(&device.mutated(NOT_WEAKENED), true, Sampler::Bsdf, Execution::Megakernel);
+    assert!(surprise(wrong, expected) < ALPHA, "{NOT_WEAKENED}: {wrong:?}");
+}
+
+/// Mean radiance of the floor below a slab that bends light, with its standard error.
+fn below_glass(device: &Device, light: &str, nee: bool, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
+    let mut scene = ours("lights/floor.xml", &[("light", light)]);
+    let tilt = Vec3::new(0.0, 0.3, 0.0);
+    for (pane, height) in SLAB.into_iter().zip([0.3, 0.6]) {
+        pane.add(&mut scene, height * Vec3::Y, 0.4 * Vec3::X + tilt * height, 0.5 * Vec3::Z);
+    }
+    let mut settings = Settings { nee, ..settings(&scene, [16, 16], Sampler::Bsdf, 79) };
+    change(&mut settings);
+    let (mean, error) = Estimate::of(&device.render(&scene, &settings, 8 * SPP)).gray();
+    println!("{light}, emitter sampling {nee}: {mean:.6} +- {error:.6}, {}", device.mutation());
+    (mean, error)
+}
+
+/// Emitter sampling finds the light that paths find alone, behind a piece of glass whose sides are not parallel.
+#[test]
+fn refracted_lights_are_as_bright_as_paths_find_them() {
+    let device = Device::new();
+    let surprise = |(with, with_error): (f64, f64), (without, without_error): (f64, f64)| {
+        sidak(two_sided((with - without) / with_error.hypot(without_error)), TESTS)
+    };
+    let lights = ["envmap", "rectangle", "sphere", "disk", "facing", "textured"];
+    for light in tier::some_of(&lights, 2) {
+        let alone = below_glass(&device, light, false, |_| {});
+        for (sampler, execution) in [(Sampler::Bsdf, Execution::Megakernel), (Sampler::Product, Execution::Wavefront)] {
+            let both = below_glass(&device, light, true, |s| (s.sampler, s.execution) = (sampler, execution));
+            assert!(surprise(both, alone) > ALPHA && alone.0 > 0.0, "{light}, {sampler:?}: {both:?}, not {alone:?}");
+        }
+        let fault = match *light {
+            "envmap" => WRONG_DIRECTION,
+            "rectangle" => REFRACTED_TWICE,
+            _ => continue,
+        };
+        let wrong = below_glass(&device.mutated(fault), light, true, |_| {});
+        println!("{light}, {fault}: {:e}", surprise(wrong, alone));
+        assert!(surprise(wrong, alone) < ALPHA, "{light}, {fault}: {wrong:?}, not {alone:?}");
     }
 }
 

@@ -24,4 +24,12 @@ BsdfSample sample_bsdf_dielectric(Dielectric b, vec3 wo, vec3 u) {
     return BsdfSample(wi, lobe, b.specular_transmittance / (i.eta * i.eta), i.eta);
 }
 
+// The light that comes through from behind the surface: its direction, and the share of the radiance that arrives.
+BsdfSample refracted(Dielectric b, vec3 wo) {
+    DielectricInterface i = fresnel_dielectric(wo.z, b.eta);
+    vec3 wi = vec3(-wo.xy / i.eta, wo.z > 0.0 ? -i.cos_t : i.cos_t);
+    vec3 share = wo.z != 0.0 ? b.specular_transmittance * ((1.0 - i.reflectance) / (i.eta * i.eta)) : vec3(0.0);
+    return BsdfSample(wi, LOBE_DELTA, share, i.eta);
+}
+
 #endif

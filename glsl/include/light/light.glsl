@@ -16,9 +16,18 @@ struct LightSample {
     vec3 radiance;  // radiance that arrives if nothing is in the way; for a delta light, times the solid angle
     float pdf;      // per steradian; for a delta light, the probability of choosing it; 0: no sample
     bool delta;     // whether no ray can hit the light
+    bool faces;     // whether the light's front is turned to the point which it lights
 };
 
-const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false);
+// Where a ray meets a light: its primitive, and the instance that shows it; NONE for the environment.
+struct LightPlace {
+    uint primitive;
+    uint instance;
+};
+
+const LightPlace OF_ENVIRONMENT = LightPlace(NONE, NONE);
+
+const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false, false);
 
 uint kind_of_light(LightRecord light) {
     return light.kind_and_index >> LIGHT_KIND_SHIFT;
@@ -26,6 +35,16 @@ uint kind_of_light(LightRecord light) {
 
 uint index_of_light(LightRecord light) {
     return light.kind_and_index & ((1u << LIGHT_KIND_SHIFT) - 1u);
+}
+
+// Place of an area light.
+LightPlace place_of_area_light(LightRecord light) {
+    uint index = index_of_light(light);
+    if (has_light(LIGHT_PLACED) && kind_of_light(light) == LIGHT_PLACED) {
+        PlacedLightRecord placed = load_placed_light(index);
+        return LightPlace(placed.primitive, placed.instance);
+    }
+    return LightPlace(index, NONE);
 }
 
 // Probability of drawing a light at a vertex in a cell.
@@ -166,21 +185,15 @@ Surface sample_area_light(uint primitive, uint instance, vec3 from, vec2 u) {
 }
 
 LightSample area_light_sample(uint index, LightRecord light, vec3 from, vec2 u) {
-    uint primitive = index_of_light(light);
-    uint instance = NONE;
-    if (has_light(LIGHT_PLACED) && kind_of_light(light) == LIGHT_PLACED) {
-        PlacedLightRecord placed = load_placed_light(primitive);
-        primitive = placed.primitive;
-        instance = placed.instance;
-    }
+    LightPlace place = place_of_area_light(light);
     if (has_light_patches()) u = place_in_patch(index % patches_per_light(), u);
-    Surface s = sample_area_light(primitive, instance, from, u);
+    Surface s = sample_area_light(place.primitive, place.instance, from, u);
     vec3 d = s.position - from;
     float squared = dot(d, d);
     vec3 wi = d * inversesqrt(max(squared, 1.0e-37));
     float probability = light.probability * float(patches_per_light());
-    float pdf = squared > 0.0 ? probability * pdf_area_light(primitive, instance, s, from) : 0.0;
-    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
+    float pdf = squared > 0.0 ? probability * pdf_area_light(place.primitive, place.instance, s, from) : 0.0;
+    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false, dot(s.shading_normal, wi) < 0.0);
 }
 
 // Share of a spot light's intensity at the angle with this cosine to its axis. The share falls linearly with the angle,
@@ -214,7 +227,7 @@ LightSample delta_light_sample(LightRecord light, vec3 from) {
     uint kind = kind_of_light(light);
     DeltaLightRecord delta = load_delta_light(index_of_light(light));
     if (kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-delta.direction, vec3(0.0), true, delta.intensity, light.probability, true);
+        return LightSample(-delta.direction, vec3(0.0), true, delta.intensity, light.probability, true, true);
     }
     vec3 d = delta.position - from;
     float squared = max(dot(d, d), 1.0e-37);
@@ -222,7 +235,7 @@ LightSample delta_light_sample(LightRecord light, vec3 from) {
     vec3 radiance = delta.intensity / squared;
     if (kind == LIGHT_SPOT || kind == LIGHT_PICTURED_SPOT) radiance *= spot_falloff(-dot(wi, delta.direction), delta);
     if (has_pictured_lights() && kind >= LIGHT_PICTURED_SPOT) radiance *= picture_color(kind, delta, -d);
-    return LightSample(wi, delta.position, false, radiance, light.probability, true);
+    return LightSample(wi, delta.position, false, radiance, light.probability, true, true);
 }
 
 bool has_delta_lights() {
@@ -232,7 +245,7 @@ bool has_delta_lights() {
 LightSample environment_light_sample(LightRecord light, uvec4 bits) {
     EnvironmentSample s = sample_environment(bits, index_of_light(light));
     float pdf = light.probability * s.pdf;
-    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false);
+    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false, true);
 }
 
 // Sample of a light that was drawn, as seen from the point `from`. Facing disks stay turned there, for the shadow ray.
@@ -251,6 +264,20 @@ LightSample sample_light(RandomKey key, uint vertex, vec3 from, ChosenLight chos
     if (has_delta_lights() && kind >= LIGHT_POINT && !is_placed) s = delta_light_sample(light, from);
     s.pdf *= chosen.group_probability;
     return s;
+}
+
+// Finds where a straight line from `from` in the direction `wi` meets the light at a place, whatever is in the way. Returns whether it
+// meets the light's front.
+bool meets_light(LightPlace place, vec3 from, vec3 wi, out Surface surface) {
+    PrimitiveRecord p = light_in_world(place.primitive, place.instance);
+    uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
+    Ray line = Ray(from, wi, MAX_DISTANCE);
+    Hit hit = Hit(MAX_DISTANCE, vec2(0.0), place.primitive, place.instance);
+    bool met;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) met = intersect_sphere(line, p.origin, p.edge_tolerance, hit.t, hit.uv);
+    else met = intersect_flat(line, p, shape, hit.t, hit.uv);
+    surface = surface_at(line, hit);
+    return met && dot(surface.shading_normal, wi) < 0.0;
 }
 
 // Density, per steradian, with which sample_light draws, at a point `from` in a cell, the direction to a surface that a ray has hit.

@@ -30,6 +30,8 @@ struct Path {
     KEPT(way) float straight_light;
     KEPT(guide) ShareEvidence evidence;  // of the ray's direction
     KEPT(way) uint medium;   // number of the medium that the ray travels in
+    KEPT(bend) uint refractions;  // of the path since then, through surfaces that refract connections, too
+    KEPT(bend) vec3 setting_out;  // direction in which the path has left the last surface that has scattered it
     vec3 flown;  // weight of the ray's flight through a grid, albedo excluded
     PathVertex last_vertex;  // for learners that keep vertices
 };
@@ -61,6 +63,13 @@ void forget_straight(inout Path path) {
     path.straight = 0u;
     path.straight_share = 1.0;
     path.straight_light = 0.0;
+    path.refractions = 0u;
+}
+
+// Whether a surface has let the path through since it was scattered.
+bool has_gone_through(Path path) {
+    if (bends_light()) return path.straight != 0u || path.refractions != 0u;
+    return lets_through() && path.straight != 0u;
 }
 
 // A path before its first edge. The caller sets its ray and its pixel.
@@ -77,6 +86,7 @@ Path new_path(RandomKey key) {
     path.previous_position = vec3(0.0);
     path.pdf = 0.0;
     forget_straight(path);
+    path.setting_out = vec3(0.0);
     path.medium = NO_MEDIUM;
     path.flown = vec3(1.0);
     path.pixel_estimate = 0.0;

@@ -42,8 +42,8 @@ float survival_of(Path path, Guide guide, DirectionSample next) {
     return path.depth < SURE_ROULETTE_DEPTH ? survival : min(survival, MOST_SURVIVAL);
 }
 
-// Probability that a path goes on where it goes straight. Roulette would end the segment before its target is known, and few
-// targets would come from behind the surface. It is played at the next surface that scatters the path.
+// Probability that a path goes on through a surface, straight or refracted. Roulette would end the segment before its target is
+// known, and few targets would come from behind the surface. It is played at the next surface that scatters the path.
 float survival_of_straight(uint depth) {
     return depth < SURE_ROULETTE_DEPTH ? 1.0 : MOST_SURVIVAL;
 }
@@ -71,10 +71,20 @@ float target_through(Path path, float target) {
 }
 
 // Counts a vertex for what the path remembers since the last surface that has scattered it.
-void remember_passage(inout Path path, bool straight, vec3 light, vec3 weight) {
-    path.straight_light = straight ? path.straight_light + path.straight_share * mean_rgb(light) : 0.0;
-    path.straight_share = straight ? path.straight_share * mean_rgb(weight) : 1.0;
+void remember_passage(inout Path path, bool straight, bool refracted, vec3 light, vec3 weight) {
+    bool through = straight || refracted;
+    path.straight_light = through ? path.straight_light + path.straight_share * mean_rgb(light) : 0.0;
+    path.straight_share = through ? path.straight_share * mean_rgb(weight) : 1.0;
     path.straight = straight ? path.straight + 1u : 0u;
+    if (bends_light()) path.refractions = through ? path.refractions + uint(refracted) : 0u;
+}
+
+// Density with which emitter sampling draws, at the last surface that has scattered the path, the environment in the direction from which
+// the path has met it.
+float pdf_light_at_end(Path path) {
+    vec3 direction = path.ray.direction;
+    if (bends_light() && path.refractions != 0u) direction = path.setting_out;
+    return pdf_light_at_environment(direction, cell_left(path));
 }
 
 // A ray that has left the scene. Returns the target of its segment.
@@ -82,7 +92,7 @@ float shade_miss(inout Path path, inout Tally tally) {
     // 1. Emission: the environment's radiance.
     vec3 emission = environment_radiance(path.ray.direction);
     count_light_hit(tally, path.depth, emission);
-    if (NEE) emission *= emission_weight(path, pdf_light_at_environment(path.ray.direction, cell_left(path)));
+    if (NEE) emission *= emission_weight(path, pdf_light_at_end(path));
     path.radiance += path.throughput * visible_emission(path, emission);
 
     // 4. Learning: the segment brings the environment's radiance and nothing else.
@@ -97,7 +107,13 @@ float shade_miss(inout Path path, inout Tally tally) {
 // Density with which emitter sampling draws the direction to a place where the path has met emission.
 float pdf_light_at_place(Path path, Hit hit, Surface surface) {
     if (has_media() && surface.emitter == NONE) return 0.0;
-    return pdf_light_at_surface(hit.primitive, hit.instance, surface, path.previous_position, cell_left(path));
+    bool met = true;
+    if (bends_light() && path.refractions != 0u) {
+        LightPlace place = LightPlace(hit.primitive, hit.instance);
+        met = meets_light(place, path.previous_position, path.setting_out, surface);
+    }
+    float pdf = pdf_light_at_surface(hit.primitive, hit.instance, surface, path.previous_position, cell_left(path));
+    return met ? pdf : 0.0;
 }
 
 // A ray that has met a surface or, with the primitive NONE, a point of a medium. Returns the target of its segment.
@@ -130,28 +146,38 @@ float shade_place(inout Path path, Hit hit, Surface surface, Scatterer scatterer
     count_sample(tally, next.tries, next.lost, next.overrun);
 
     // 4. Learning: the next segment begins here. The segment that ends here gets a target from `light` and from what the guide
-    // knows about the light that the surface scatters. A segment that goes straight on collects what lies behind.
+    // knows about the light that the surface scatters. A segment that goes on through the surface collects what lies behind.
     bool straight = goes_straight(scatterer, next.wi);
-    if (!straight) path.segment = segment_from(scatterer.cell, next);
-    if (!straight) path.evidence = next.evidence;
+    bool refracted = is_refracted(surface, scatterer, next.wi);
+    bool through = straight;
+    if (bends_light()) through = straight || refracted;
+    bool meets_emitter = path.refractions != 0u && surface.emitter != NONE;
+    if (!through) path.segment = segment_from(scatterer.cell, next);
+    if (!through) path.evidence = next.evidence;
     float target = target_at(path.key, path.depth, light, scatterer, next);
-    if (weakens_light()) target = straight ? NO_TARGET : target_through(path, target);
-    if (weakens_light()) remember_passage(path, straight, light, next.weight);
+    if (weakens_light()) target = through ? NO_TARGET : target_through(path, target);
+    if (weakens_light()) remember_passage(path, straight, through && !straight, light, next.weight);
 
     // 5. Roulette: the path goes on with the probability `survival`.
     if (path.pixel_estimate == 0.0 && knows_contribution(guide, next)) {
         path.pixel_estimate = mean_rgb(path.radiance) + expected_scattered(path.throughput, scatterer, guide);
     }
     float survival = survival_of(path, guide, next);
-    if (straight) survival = survival_of_straight(path.depth);
+    if (through) survival = survival_of_straight(path.depth);
     path.throughput *= next.weight;
     path.last_vertex.factor = next.weight;
     path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, survival, expected_radiance(guide, next), u.w)) {
         // 6. The next edge begins.
         path.ray = straight ? go_straight(surface, next.wi) : leave_surface(surface, next.wi);
-        if (!straight) path.previous_position = surface.position;
-        if (!straight) path.pdf = next.pdf;
+        if (!straight && !refracted) path.previous_position = surface.position;
+        if (!through) path.pdf = next.pdf;
+        if (bends_light()) {
+            if (!through) path.setting_out = next.wi;
+            // No connection goes the way that the path goes on: behind a refraction, connections end at the first surface that emits.
+            bool given_up = refracted && strays(path.refractions, next.wi, path.setting_out);
+            if (through && (meets_emitter || given_up)) path.pdf = 0.0;
+        }
         if (has_media()) path.medium = medium_beyond(surface, next.wi, path.medium);
         ++path.depth;
     } else {

@@ -132,6 +132,7 @@ void store_connection(uint slot, Connection connection) {
     }
     store_connection_light(slot, connection);
     if (learns_lights() || brings_light(connection)) store_connection_ray(slot, connection);
+    if (bends_light() && brings_light(connection)) store_connection_bend(slot, connection);
 }
 
 // A slot's connection with its ray. Its light is needed where surfaces let through a part of it.
@@ -139,6 +140,7 @@ Connection load_connection(uint slot) {
     Connection connection = NO_CONNECTION;
     load_connection_ray(slot, connection);
     if (weakens_light()) load_connection_light(slot, connection);
+    if (bends_light()) load_connection_bend(slot, connection);
     return connection;
 }
 
@@ -208,6 +210,7 @@ void store_path(uint slot, Path path) {
     store_path_ray(slot, path);
     if (keeps_origin()) store_path_guide(slot, path);
     if (weakens_light()) store_path_way(slot, path);
+    if (bends_light()) store_path_bend(slot, path);
 }
 
 // Sets the time to that of a slot's path.
@@ -223,10 +226,11 @@ Path load_path(uint slot) {
     load_path_ray(slot, path);
     if (keeps_origin()) load_path_guide(slot, path);
     if (weakens_light()) load_path_way(slot, path);
+    if (bends_light()) load_path_bend(slot, path);
     path.key = key_of_slot(slot, pixel_of(path));
     set_moment(path.key);
     path.depth = push.edge + 1u;
-    if (!lets_through()) forget_straight(path);
+    if (!lets_through() && !bends_light()) forget_straight(path);
     if (!has_media()) path.medium = NO_MEDIUM;
     return path;
 }

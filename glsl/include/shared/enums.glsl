@@ -107,6 +107,8 @@ const uint MATERIAL_WEIGHTED_BASE = 1048576u;
 const uint MATERIAL_ENERGY_PRESERVING = 2097152u;
 // A sheen covers the surface.
 const uint MATERIAL_SHEEN = 4194304u;
+// The surface is a smooth dielectric and nothing else: all light that it transmits goes on in one direction.
+const uint MATERIAL_REFRACTS = 8388608u;
 
 // Position of the exterior medium in the word of a material's record that holds both media.
 const uint EXTERIOR_MEDIUM_SHIFT = 16u;
@@ -131,6 +133,8 @@ const uint FEATURE_CONES = 4096u;
 const uint FEATURE_WEIGHTED_BASE = 8192u;
 const uint FEATURE_ENERGY_PRESERVING = 16384u;
 const uint FEATURE_SHEEN = 32768u;
+// Connections to lights go on through materials that refract.
+const uint FEATURE_REFRACTED_CONNECTIONS = 65536u;
 
 // Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
 const uint VOLUME_COLORS = 1u;

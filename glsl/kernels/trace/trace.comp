@@ -61,7 +61,7 @@ void main() {
         Segment travelled = path.segment;
         ShareEvidence evidence = path.evidence;
         path.last_vertex.segment = travelled;
-        if (lets_through() && path.straight != 0u) path.last_vertex.segment = NO_SEGMENT;
+        if (has_gone_through(path)) path.last_vertex.segment = NO_SEGMENT;
 
         // 3. Vertex: emission, emitter sampling, the next direction, the learning target, roulette.
         uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);

@@ -1,5 +1,5 @@
 //! Claim: emitter sampling and light hits add up to the radiance of a floor in closed form, with and without a guide, also where
-//! light comes through holes.
+//! light comes through holes and through surfaces that refract.
 
 use lodestar::settings::{SamplePattern, Settings};
 use support::estimate::Estimate;
@@ -16,6 +16,9 @@ use crate::subject::Subject;
 /// Surfaces above the floor that let light through, and the lights that shine through them.
 const PANES: [Pane; 2] = [Pane::Mask(0.4), Pane::Blend(0.2)];
 const THROUGH_PANES: [&str; 4] = ["rectangle", "constant", "directional", "facing"];
+/// Surfaces that refract, but do not bend light, and the lights that shine through them.
+const INTERFACES: [Pane; 2] = [Pane::Interface(1.0), Pane::Mask(0.2)];
+const THROUGH_INTERFACES: [&str; 3] = ["rectangle", "constant", "facing"];
 
 const SIDE: u32 = 16;
 const SPP: u32 = 512;
@@ -30,7 +33,8 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let is_wanted = |light: &&str| scope.full || few.contains(light);
     let open = SPREAD.into_iter().chain(DELTA).filter(is_wanted).map(|light| (light, &[][..]));
     let through = THROUGH_PANES.into_iter().map(|light| (light, &PANES[..]));
-    for (light, panes) in open.chain(through) {
+    let refracted = THROUGH_INTERFACES.into_iter().map(|light| (light, &INTERFACES[..]));
+    for (light, panes) in open.chain(through).chain(refracted) {
         let scene = covered(ours("lights/floor.xml", &[("light", light)]), panes);
         let share: f64 = panes.iter().map(|pane| pane.share(1.0)).product();
         for row in rows {

@@ -14,7 +14,7 @@ pub const SPREAD: [&str; 7] = ["rectangle", "textured", "disk", "sphere", "facin
 pub const DELTA: [&str; 3] = ["point", "spot", "directional"];
 
 /// Reflectance of the floor in `floor.xml`.
-const ALBEDO: f64 = 0.5;
+pub const ALBEDO: f64 = 0.5;
 
 /// Irradiance at the origin of a plane with normal +y, from a polygon of radiance 1 (Lambert 1760).
 fn polygon_irradiance(vertices: &[DVec3]) -> f64 {

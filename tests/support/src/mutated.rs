@@ -24,6 +24,10 @@ pub const COUNTED_TWICE: &str = "light counted whole however it is found";
 pub const SHUT: &str = "holes that shadow rays do not pass";
 pub const PASSED_TWICE: &str = "light that passes each surface twice";
 pub const WRONG_VERTEX: &str = "the density at the last hole";
+/// Mutations: faults of light that is refracted on its way to a surface that scatters it.
+pub const NOT_WEAKENED: &str = "light that refraction does not weaken";
+pub const REFRACTED_TWICE: &str = "refracted light counted twice";
+pub const WRONG_DIRECTION: &str = "the density of a refracted direction";
 /// Mutation: behind a hole, a disk faces the hole in place of the surface that it lights.
 pub const TURNED_TO_HOLE: &str = "facing disks turned to the last hole";
 /// Mutations: faults of media.

@@ -15,12 +15,16 @@ pub enum Pane {
     Front(f32),
     /// `thindielectric` that lets half of the light through that it does not reflect.
     Glass,
+    /// `dielectric` of this index of refraction above, over that below. It lets three quarters of the light through that it does not
+    /// reflect, and absorbs what it reflects.
+    Interface(f32),
 }
 
 const ETA: f32 = 1.5;
 
 impl Pane {
-    /// Share of light that passes, where a shadow ray from below meets the pane's front with this cosine.
+    /// Share of light that passes, where a shadow ray from below meets the pane's front with this cosine. That of an interface leaves out how
+    /// refraction concentrates radiance.
     pub fn share(self, cosine: f64) -> f64 {
         match self {
             Self::Mask(opacity) | Self::Blend(opacity) | Self::Front(opacity) => 1.0 - f64::from(opacity),
@@ -28,6 +32,7 @@ impl Pane {
                 let r = fresnel_dielectric(cosine, f64::from(ETA)).reflectance;
                 0.5 * (1.0 - 2.0 * r / (1.0 + r))
             }
+            Self::Interface(eta) => 0.75 * (1.0 - fresnel_dielectric(cosine, f64::from(eta)).reflectance),
         }
     }
 
@@ -58,6 +63,12 @@ impl Pane {
                 let [specular_reflectance, specular_transmittance] =
                     [0.0, 0.5].map(|c| Textured::constant(Vec3::splat(c)));
                 let glass = Bsdf::ThinDielectric { eta: ETA, specular_reflectance, specular_transmittance };
+                add(MaterialKind::Surface(SurfaceMaterial::plain(glass)))
+            }
+            Self::Interface(eta) => {
+                let [specular_reflectance, specular_transmittance] =
+                    [0.0, 0.75].map(|c| Textured::constant(Vec3::splat(c)));
+                let glass = Bsdf::Dielectric { eta, specular_reflectance, specular_transmittance };
                 add(MaterialKind::Surface(SurfaceMaterial::plain(glass)))
             }
         }
@@ -91,12 +102,14 @@ pub fn covered(mut scene: Scene, panes: &[Pane]) -> Scene {
     scene
 }
 
-/// The scene, such as the Cornell box, with panes of all kinds: three across its middle, one above another below its lamp.
+/// The scene, such as the Cornell box, with panes of all kinds: across its middle, one above another below its lamp.
 pub fn with_panes(mut scene: Scene) -> Scene {
     let bounds = scene.primitives.iter().map(Primitive::bounds);
     let (low, high) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
-    for (pane, height) in [(Pane::Mask(0.4), 0.2), (Pane::Glass, 0.45), (Pane::Blend(0.3), 0.7)] {
+    for (pane, height) in
+        [(Pane::Mask(0.4), 0.2), (Pane::Interface(1.1), 0.3), (Pane::Glass, 0.45), (Pane::Blend(0.3), 0.7)]
+    {
         let place = center + height * half.y * Vec3::Y;
         pane.add(&mut scene, place, 0.45 * half.x * Vec3::X, 0.6 * half.z * Vec3::Z);
     }

@@ -35,6 +35,7 @@ const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
 const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
 const PATH: &str = "glsl/include/path/path.glsl";
+const STRAIGHT: &str = "glsl/include/path/straight.glsl";
 const PASSAGE: &str = "glsl/include/path/passage.glsl";
 const MEDIUM: &str = "glsl/include/path/medium.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
@@ -491,24 +492,49 @@ pub const MUTATIONS: &[Mutation] = &[
         "holes that shadow rays do not pass",
         &[Patch {
             file: PASSAGE,
-            text: "} else if (!has_flag(attribute_material(hit.primitive), MATERIAL_LETS_THROUGH)) {",
-            mutated: "} else if (MUTATED || !has_flag(attribute_material(hit.primitive), MATERIAL_LETS_THROUGH)) {",
+            text: "} else if (!may_pass(attribute_material(hit.primitive))) {",
+            mutated: "} else if (MUTATED || !may_pass(attribute_material(hit.primitive))) {",
         }],
     ),
     mutation(
         "light that passes each surface twice",
         &[Patch {
             file: PASSAGE,
-            text: "passage.share *= straight_share(surface, -ray.direction);",
-            mutated: "vec3 share = straight_share(surface, -ray.direction);\n        passage.share *= MUTATED ? share * share : share;",
+            text: "passage.share *= transmission.share;",
+            mutated: "passage.share *= MUTATED ? transmission.share * transmission.share : transmission.share;",
         }],
     ),
     mutation(
         "the density at the last hole",
         &[Patch {
             file: VERTEX,
-            text: "if (!straight) path.previous_position = surface.position;\n        if (!straight) ",
-            mutated: "if (!straight || MUTATED) path.previous_position = surface.position;\n        if (!straight || MUTATED) ",
+            text: "if (!straight && !refracted) path.previous_position = surface.position;\n        if (!through) ",
+            mutated: "if ((!straight && !refracted) || MUTATED) path.previous_position = surface.position;\n        \
+                      if (!through || MUTATED) ",
+        }],
+    ),
+    mutation(
+        "light that refraction does not weaken",
+        &[Patch {
+            file: STRAIGHT,
+            text: "sheet = behind.weight;",
+            mutated: "sheet = MUTATED ? vec3(1.0) : behind.weight;",
+        }],
+    ),
+    mutation(
+        "refracted light counted twice",
+        &[Patch {
+            file: VERTEX,
+            text: "met = meets_light(",
+            mutated: "met = !MUTATED && meets_light(",
+        }],
+    ),
+    mutation(
+        "the density of a refracted direction",
+        &[Patch {
+            file: VERTEX,
+            text: "direction = path.setting_out;",
+            mutated: "if (!MUTATED) direction = path.setting_out;",
         }],
     ),
     mutation(
@@ -605,8 +631,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "a lamp sampled at another time",
         &[Patch {
             file: LIGHT,
-            text: "Surface s = sample_area_light(primitive, instance, from, u);",
-            mutated: "float now = moment; if (MUTATED) moment = 1.0 - now; Surface s = sample_area_light(primitive, instance, from, u); moment = now;",
+            text: "Surface s = sample_area_light(place.primitive, place.instance, from, u);",
+            mutated: "float now = moment; if (MUTATED) moment = 1.0 - now; Surface s = sample_area_light(place.primitive, place.instance, from, u); moment = now;",
         }],
     ),
     mutation(
