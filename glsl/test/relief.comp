@@ -21,6 +21,7 @@ struct ReliefOutput {
     vec3 wo;  // in the tilted frame
     vec3 wi;
     float shadowing;
+    vec3 raised;  // the normal that the color encodes, as raised for `wo`
 };
 
 layout(scalar, set = 0, binding = 10) readonly buffer ReliefInputs { ReliefInput relief_inputs[]; };
@@ -34,5 +35,7 @@ void main() {
     o.wo = i.wo * o.frame;
     o.wi = i.wi * o.frame;
     o.shadowing = relief_shadowing(upright_in(o.frame), o.wi);
+    vec3 surface_normal = vec3(0.0, 0.0, i.wo.z < 0.0 ? -1.0 : 1.0);
+    o.raised = raised_normal(normalize(mapped_normal(i.color)), surface_normal, i.wo);
     relief_outputs[gl_GlobalInvocationID.x] = o;
 }

@@ -102,6 +102,9 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
     bit(opacity, constants::FEATURE_OPACITY)
         | relief
         | bit(surface.relief_outside, constants::FEATURE_RELIEF_OUTSIDE)
+        | bit(flags & constants::MATERIAL_UNSCALED != 0, constants::FEATURE_UNSCALED)
+        | bit(flags & constants::MATERIAL_RELIEF_UNSHADOWED != 0, constants::FEATURE_RELIEF_UNSHADOWED)
+        | bit(flags & constants::MATERIAL_RELIEF_RAISED != 0, constants::FEATURE_RELIEF_RAISED)
         | bit(surface.coating.is_some(), constants::FEATURE_COATING)
         | bit(surface.bsdf.is_anisotropic(), constants::FEATURE_TANGENTS)
         | bit(has_facets && flags & constants::MATERIAL_GGX == 0, constants::FEATURE_BECKMANN)
@@ -170,6 +173,9 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     let mut writer = Writer::new(surface.bsdf.kind_and_flags());
     writer.flag(constants::MATERIAL_TWO_SIDED, surface.two_sided);
     writer.flag(constants::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
+    writer.flag(constants::MATERIAL_RELIEF_UNSHADOWED, !surface.relief_rules.shadows);
+    writer.flag(constants::MATERIAL_RELIEF_RAISED, surface.relief_rules.raises);
+    writer.flag(constants::MATERIAL_UNSCALED, !surface.scales_radiance);
     writer.scalar(constants::MIXTURE_OPACITY, &surface.opacity);
     let has_holes = surface.opacity != Textured::constant(1.0);
     writer.flag(constants::MATERIAL_HOLES, has_holes);

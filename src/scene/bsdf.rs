@@ -57,6 +57,11 @@ pub struct SurfaceMaterial {
     /// mirrored. Outside, the tilted normal decides which side is met, and heights that rise on the front sink on the
     /// back.
     pub relief_outside: bool,
+    /// Corrections of the relief's normals.
+    pub relief_rules: ReliefRules,
+    /// Whether radiance that enters the denser of two media grows by the square of the relative index of refraction, as it does in nature.
+    /// Cycles leaves this out. It cancels where light leaves the medium again.
+    pub scales_radiance: bool,
     /// `coating`.
     pub coating: Option<Coating>,
     /// `sheen`, on a surface without a `coating`.
@@ -67,7 +72,17 @@ impl SurfaceMaterial {
     /// Surface of the scattering function alone: one-sided, opaque, flat, not coated.
     pub fn plain(bsdf: Bsdf) -> Self {
         let opacity = Textured::constant(1.0);
-        Self { bsdf, two_sided: false, opacity, relief: None, relief_outside: false, coating: None, sheen: None }
+        Self {
+            bsdf,
+            two_sided: false,
+            opacity,
+            relief: None,
+            relief_outside: false,
+            relief_rules: ReliefRules::default(),
+            scales_radiance: true,
+            coating: None,
+            sheen: None,
+        }
     }
 
     /// Textures of the scattering function's parameters, of the sheen and of the opacity.
@@ -109,6 +124,21 @@ pub enum Relief {
         /// Index into `Scene::textures`.
         texture: u32,
     },
+}
+
+/// What is done about normals of a relief that no real surface could have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct ReliefRules {
+    /// `use_shadowing_function`: light from grazing angles fades (Conty Estevez et al. 2019).
+    pub shadows: bool,
+    /// `raise_invalid_normals`: a normal whose mirror direction falls below the surface is bent toward the surface's normal, as in Cycles.
+    pub raises: bool,
+}
+
+impl Default for ReliefRules {
+    fn default() -> Self {
+        Self { shadows: true, raises: false }
+    }
 }
 
 /// `coating`: a smooth dielectric layer over a scattering function (Weidlich and Wilkie 2007).

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use glam::{DVec3, Vec3, dvec3};
 use lodestar::film::Picture;
 use lodestar::math::fresnel::fresnel_dielectric;
-use lodestar::scene::{LoadOptions, Scene, load};
+use lodestar::scene::bsdf::{Distribution, Microfacets, Principled};
+use lodestar::scene::{Bsdf, LoadOptions, Scene, Textured, load};
 use lodestar::settings::{Execution, Learner, Sampler, Settings, UNLIMITED_DEPTH};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::floor::{ALBEDO, floor_radiance};
@@ -13,7 +14,7 @@ use support::mutated::{
     FEW_SURFACES, NOT_WEAKENED, PASSED_TWICE, REFRACTED_TWICE, SHUT, WRONG_DIRECTION, WRONG_VERTEX,
 };
 use support::panes::{Pane, covered, with_panes};
-use support::scenes::{ours, settings};
+use support::scenes::{ours, settings, surface_mut};
 use support::significance::{ALPHA, sidak, two_sided};
 use support::tier;
 
@@ -181,6 +182,74 @@ fn light_through_a_slab_is_its_closed_form() {
     }
     let wrong = render(&device.mutated(NOT_WEAKENED), true, Sampler::Bsdf, Execution::Megakernel);
     assert!(surprise(wrong, expected) < ALPHA, "{NOT_WEAKENED}: {wrong:?}");
+}
+
+/// Index of refraction of one surface between the floor and the light.
+const INDEX: f32 = 1.5;
+
+/// Mean radiance of the floor below one surface that refracts light, with its standard error.
+fn below_surface(device: &Device, kind: &str, eta: f32, scales: bool, sampler: Sampler, nee: bool) -> (f64, f64) {
+    let mut scene = covered(ours("lights/floor.xml", &[("light", "rectangle")]), &[Pane::Interface(eta)]);
+    let pane = scene.materials.iter_mut().find(|material| material.name == "pane").expect("a pane");
+    let surface = surface_mut(pane);
+    surface.scales_radiance = scales;
+    let [specular_reflectance, specular_transmittance] = [0.0, 0.75].map(|c| Textured::constant(Vec3::splat(c)));
+    let alpha = Textured::constant(0.3);
+    let microfacets = Microfacets { distribution: Distribution::Ggx, alpha_u: alpha, alpha_v: alpha };
+    match kind {
+        "rough" => {
+            surface.bsdf = Bsdf::RoughDielectric { microfacets, eta, specular_reflectance, specular_transmittance };
+        }
+        "principled" => {
+            let number = Textured::constant;
+            surface.bsdf = Bsdf::Principled(Principled {
+                base_color: Textured::constant(Vec3::splat(0.75)),
+                roughness: number(0.5),
+                anisotropic: number(0.0),
+                metallic: number(0.0),
+                spec_trans: number(1.0),
+                eta,
+                spec_tint: number(0.0),
+                sheen: number(0.0),
+                sheen_tint: number(0.0),
+                flatness: number(0.0),
+                clearcoat: number(0.0),
+                clearcoat_gloss: number(0.0),
+            });
+        }
+        _ => {}
+    }
+    // Three edges: from the camera to the floor, to the surface, to the light.
+    let settings = Settings { nee, max_depth: 3, ..settings(&scene, [16, 16], sampler, 83) };
+    let (mean, error) = Estimate::of(&device.render(&scene, &settings, SPP)).gray();
+    println!("{kind}, {eta}, scales {scales}, {sampler:?}, emitter sampling {nee}: {mean:.6} +- {error:.6}");
+    (mean, error)
+}
+
+/// Without scaling, the floor is brighter by the square of the index where light leaves the denser medium, and darker where it enters it,
+/// whether a path or a connection crosses the surface.
+#[test]
+fn surfaces_that_scale_no_radiance_leave_out_the_square_of_the_index() {
+    let device = Device::new();
+    for &kind in tier::some_of(&["smooth", "rough", "principled"], 2) {
+        let indices = [INDEX, 1.0 / INDEX];
+        // The principled BSDF has an index above 1.
+        for &eta in if kind == "principled" { &indices[..1] } else { &indices[..] } {
+            let square = f64::from(eta).powi(2);
+            for nee in [true, false] {
+                let below = |scales, sampler| below_surface(&device, kind, eta, scales, sampler, nee);
+                let (scaled, unscaled) = (below(true, Sampler::Bsdf), below(false, Sampler::Bsdf));
+                // The same paths, because no roulette is played.
+                let ratio = unscaled.0 / scaled.0;
+                assert!((ratio / square - 1.0).abs() < 1.0e-4, "{kind}, {eta}, {nee}: {ratio}, not {square}");
+                if nee {
+                    let guided = below(false, Sampler::Product);
+                    let z = (guided.0 - unscaled.0) / guided.1.hypot(unscaled.1);
+                    assert!(sidak(two_sided(z), TESTS) > ALPHA, "{kind}, {eta}: {guided:?}, not {unscaled:?}");
+                }
+            }
+        }
+    }
 }
 
 /// Mean radiance of the floor below a slab that bends light, with its standard error.

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3, Mat3, Mat4, Vec3, Vec4, dvec3};
-use lodestar::scene::bsdf::Relief;
+use lodestar::scene::bsdf::{Relief, ReliefRules};
 use lodestar::scene::emitter::DeltaKind;
 use lodestar::scene::program::Operation;
 use lodestar::scene::program::graph::{Graph, Operand};
@@ -23,7 +23,7 @@ const SIZE: [u32; 2] = [16, 16];
 const SPP: u32 = 256;
 const ALBEDO: f64 = 0.5;
 /// Number of tests of this file, for all samplers, with and without emitter sampling.
-const CASES: usize = 12;
+const CASES: usize = 13;
 
 /// Sides of the floor in world space. The floor's uv frame is 2 by 4 units large and is not axis-aligned.
 const U: Vec3 = Vec3::new(0.6, 0.8, 0.0);
@@ -64,6 +64,11 @@ fn floor(relief: Relief, texels: Vec<[f32; 4]>, behind: bool) -> Scene {
 
 /// Radiance of a floor with normal `n` in its uv frame. The normal is mirrored if the floor is seen from behind.
 fn answer(n: DVec3) -> f64 {
+    answer_with(n, relief_shadowing)
+}
+
+/// The same with another factor of shadowing.
+fn answer_with(n: DVec3, shadowing: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let frame = relief_frame(n, DVec3::Z);
     let count = 400;
     let mut sum = 0.0;
@@ -72,7 +77,7 @@ fn answer(n: DVec3) -> f64 {
         for j in 0..count {
             let phi = (f64::from(j) + 0.5) / f64::from(count) * TAU;
             let wi = dvec3(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-            sum += frame.z_axis.dot(wi).max(0.0) * relief_shadowing(frame.z_axis, wi) * theta.sin();
+            sum += frame.z_axis.dot(wi).max(0.0) * shadowing(frame.z_axis, wi) * theta.sin();
         }
     }
     ALBEDO / PI * sum * FRAC_PI_2 * TAU / f64::from(count * count)
@@ -185,4 +190,47 @@ fn a_computed_height_tilts_by_its_slope() {
     check_sun("computed bump from behind", &Device::new(), &computed_floor(true), n).unwrap();
     check_sun("computed bump", &Device::new().mutated(TILTED_BACK), &computed_floor(false), n)
         .expect_err("a slope of the wrong sign must be seen");
+}
+
+/// A floor whose relief casts no soft shadows.
+#[test]
+fn a_relief_without_its_shadowing_function_is_brighter() {
+    let tilt = [0.85, 0.3, 0.8, 1.0];
+    let n = mapped_normal(dvec3(0.85, 0.3, 0.8)).normalize();
+    let mut scene = floor(Relief::NormalMap { texture: 0 }, vec![tilt], false);
+    surface_mut(&mut scene.materials[0]).relief_rules.shadows = false;
+    let expected = answer_with(n, |_, _| 1.0);
+    assert!(expected > 1.05 * answer(n), "{expected} {}", answer(n));
+    check("without shadows", &scene, expected);
+}
+
+/// A mirror whose relief would send the camera's rays below the surface is black. With normals that are raised, it shows the sky near
+/// the horizon.
+#[test]
+fn a_mirror_with_raised_normals_shows_the_horizon() {
+    let device = Device::new();
+    // At 60 degrees to the surface's normal, along its first side.
+    let (sin, cos) = (0.75_f32.sqrt(), 0.5);
+    let mut scene =
+        floor(Relief::NormalMap { texture: 0 }, vec![[0.5 * (sin + 1.0), 0.5, 0.5 * (cos + 1.0), 1.0]], false);
+    let surface = surface_mut(&mut scene.materials[0]);
+    let white = Textured::constant(Vec3::ONE);
+    surface.bsdf = Bsdf::Conductor { eta: Vec3::ZERO, k: Vec3::ONE, specular_reflectance: white };
+    for (rules, expected) in
+        [(ReliefRules { shadows: false, raises: false }, 0.0), (ReliefRules { shadows: false, raises: true }, 1.0)]
+    {
+        surface_mut(&mut scene.materials[0]).relief_rules = rules;
+        for sampler in SAMPLERS {
+            let (mean, _) = Estimate::of(&device.render(&scene, &settings(&scene, SIZE, sampler, 4), 4)).gray();
+            assert!((mean - expected).abs() < 1.0e-4, "{rules:?}, {sampler:?}: {mean}, not {expected}");
+        }
+    }
+    // A mirror that needs no cure keeps its picture.
+    let mut level = floor(Relief::NormalMap { texture: 0 }, vec![[0.6, 0.5, 0.9, 1.0]], false);
+    surface_mut(&mut level.materials[0]).bsdf = surface_mut(&mut scene.materials[0]).bsdf.clone();
+    let mut render = |raises| {
+        surface_mut(&mut level.materials[0]).relief_rules.raises = raises;
+        Estimate::of(&device.render(&level, &settings(&level, SIZE, Sampler::Bsdf, 4), 4)).gray().0
+    };
+    assert!((render(false) - render(true)).abs() < 1.0e-6 && render(true) > 0.9);
 }

@@ -6,7 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 use lodestar::generated::kernels::{Variant, test};
 use support::device::Device;
-use support::twins::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
+use support::twins::relief::{
+    bump_normal, mapped_normal, mirrored_height, raised_normal, relief_frame, relief_shadowing,
+};
 
 use crate::fixture::{Row, rows};
 
@@ -30,6 +32,7 @@ struct ReliefOutput {
     wo: [f32; 3],
     wi: [f32; 3],
     shadowing: f32,
+    raised: [f32; 3],
 }
 
 fn input(row: &Row) -> ReliefInput {
@@ -93,4 +96,30 @@ fn the_device_is_its_twin() {
         let value = diffuse(d3(o.wo), d3(o.wi), f64::from(o.shadowing));
         assert!((value - row.number("eval")).abs() < 3.0e-6, "{value}: {o:?} {row:?}");
     }
+}
+
+/// Normals are raised as by bisection, and never farther than their mirror directions need.
+#[test]
+fn normals_are_raised_until_their_mirror_directions_leave_the_surface() {
+    let mut inputs = Vec::new();
+    for at in 0..1000 {
+        let [tilt, azimuth, rise] = [0.618_034, 0.754_878, 0.819_173].map(|step| (step * f64::from(at)).fract());
+        let (tilt, azimuth, rise) = (1.4 * tilt, 2.0 * PI * azimuth, 0.001 + 0.999 * rise);
+        let n = DVec3::new(tilt.sin() * azimuth.cos(), tilt.sin() * azimuth.sin(), tilt.cos());
+        let wo = DVec3::new(-(1.0 - rise * rise).sqrt(), 0.0, rise);
+        let color = (0.5 * (n + 1.0)).as_vec3().into();
+        inputs.push(ReliefInput { color, wo: wo.as_vec3().into(), ..ReliefInput::zeroed() });
+    }
+    let outputs: Vec<ReliefOutput> = Device::new().map(&test::RELIEF, &Variant::default(), &inputs);
+    let mut raised = 0;
+    for (input, output) in inputs.iter().zip(&outputs) {
+        let n = mapped_normal(Vec3::from(input.color).as_dvec3()).normalize();
+        let (wo, found) = (Vec3::from(input.wo).as_dvec3(), Vec3::from(output.raised).as_dvec3());
+        let twin = raised_normal(n, wo);
+        raised += u32::from(twin != n);
+        // Vulkan allows arc functions an error of 4096 units in the last place.
+        assert!((found - twin).length() < 2.0e-4, "{found}, not {twin}: {n}, {wo}");
+        assert!(mirrored_height(found, wo) > 0.0, "{found}: {n}, {wo}");
+    }
+    assert!(raised > 100 && raised < 900, "{raised} of 1000");
 }

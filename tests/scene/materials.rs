@@ -1,7 +1,7 @@
 //! One small file per BSDF plugin, and the effect of every parameter.
 
 use glam::Vec3;
-use lodestar::scene::bsdf::{Coating, Distribution, Microfacets, Principled, Relief, Sheen};
+use lodestar::scene::bsdf::{Coating, Distribution, Microfacets, Principled, Relief, ReliefRules, Sheen};
 use lodestar::scene::{Bsdf, Material, MaterialKind, Scene, SurfaceMaterial, Textured};
 
 use super::{Folder, load_body, with_sensor};
@@ -304,11 +304,16 @@ fn reliefs() {
     assert_eq!(surface(&scaled).relief, Some(Relief::Bump { texture: 0, scale: 2.0 }));
     let unnamed = with_image(&format!(r#"<bsdf type="normalmap">{}{RED}</bsdf>"#, map("other")));
     assert!(unnamed.unwrap_err().to_string().contains("named `normalmap`"));
-    let off = format!(
-        r#"<bsdf type="bumpmap">{}<boolean name="use_shadowing_function" value="false"/>{RED}</bsdf>"#,
-        map("a")
-    );
-    assert!(with_image(&off).unwrap_err().to_string().contains("`use_shadowing_function`"));
+    let with_rule = |rule: &str, value| {
+        format!(r#"<bsdf type="bumpmap">{}<boolean name="{rule}" value="{value}"/>{RED}</bsdf>"#, map("a"))
+    };
+    assert_eq!(surface(&bump).relief_rules, ReliefRules { shadows: true, raises: false });
+    let unshadowed = surface(&with_rule("use_shadowing_function", false)).relief_rules;
+    assert_eq!(unshadowed, ReliefRules { shadows: false, raises: false });
+    let raised = surface(&with_rule("raise_invalid_normals", true)).relief_rules;
+    assert_eq!(raised, ReliefRules { shadows: true, raises: true });
+    let off = with_image(&with_rule("flip_invalid_normals", false));
+    assert!(off.unwrap_err().to_string().contains("`flip_invalid_normals`"));
     let twice = with_image(&format!(r#"<bsdf type="bumpmap">{}{bump}</bsdf>"#, map("b")));
     assert!(twice.unwrap_err().to_string().contains("inside another"));
 }

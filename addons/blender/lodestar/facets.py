@@ -6,13 +6,11 @@ correlated, and a *Multiscatter GGX* lobe is made so much brighter that it sheds
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple, Optional, Union
 
 from . import layers
 from .color_nodes import table
-from .images import Texture
 from .limits import excess
 from .programs import Expression, Graph, clamp, dot, less, select
 
@@ -231,20 +229,3 @@ def glass(
         tables = [table(layers.cosine(graph), [tuple(map(float, row)) for row in side / most * color]) for side in (inner, outer)]
         found.append((select(inside, *tables), most))
     return found
-
-
-def crossing(reader: Any, color: Union[Color, Texture], ior: float) -> Union[Color, Texture]:
-    """Transmittance of glass without the square of its index, by which radiance grows in the denser medium. Cycles leaves this growth out.
-    It cancels where light enters and leaves a body, but not at sheets, which have one side only."""
-    if not reader.scales_glass or isinstance(color, Texture) and color.attribute is not None:
-        return color
-    reader.has_scaled_glass = True
-    graph = reader.images.graph
-    square = max(ior, LEAST_INDEX) ** 2
-    most = max(square, 1.0 / square)
-    inside = less(dot(graph.source("shading_normal"), graph.source("incoming")), 0.0)
-    share = select(inside, 1.0 / (square * most), square / most)
-    factor = color.factor if isinstance(color, Texture) else (1.0, 1.0, 1.0)
-    value = reader.as_program(replace(color, factor=(1.0, 1.0, 1.0))) if isinstance(color, Texture) else color
-    found = share * value
-    return Texture(program=found).scaled(tuple(each * most for each in factor)) if excess(found) is None else color

@@ -46,12 +46,13 @@ class Material:
     asks_for_smoke: bool = False  # whether the volume may take grids of a fluid domain
 
 
-def translate(material: Any, images: Images, report: Report, surroundings: Surroundings, scales_glass: bool = True) -> Material:
-    """Translates a material; None stands for Blender's default. Beside color attributes, no program scales what glass transmits."""
+def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
+    """Translates a material; None stands for Blender's default."""
     if material is None:
         return Material(principled.default(images), None, None, None, False)
     place = f'material "{material.name}"'
-    reader = Reader(place, report, images, surroundings=surroundings, material_index=material.pass_index, scales_glass=scales_glass)
+    reader = Reader(place, report, images, surroundings=surroundings, material_index=material.pass_index)
+    reader.corrects_normals = getattr(material.cycles, "use_bump_map_correction", True)
     tree = material.node_tree
     if tree is None or not material.use_nodes:
         return Material(diffuse(images, tuple(material.diffuse_color)[:3]), None, None, None, False)
@@ -73,8 +74,6 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
     emission = _radiance(closure.emission, images)
     kinds = _kinds_of_textures(element, images) | (_kinds_of_textures(emission, images) if emission is not None else set())
     if "mesh_attribute" in kinds and len(kinds) > 1:
-        if reader.has_scaled_glass:
-            return translate(material, images, report, surroundings, scales_glass=False)
         reader.warn("a color attribute beside other textures is not supported; the color is white")
         _whiten(element)
         if emission is not None:
@@ -375,10 +374,10 @@ class _Translator:
         if abs(ior - 1.0) < 1e-4:
             return Closure(self.clear(color))
         element = self._facets("roughdielectric", "dielectric", node, groups)
-        xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
+        xml.add(xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0), "scale_radiance", False)
         reflected, transmitted = self._whole_glass(element, color, ior, node, groups)
         parameter(self.images, element, "specular_reflectance", reflected)
-        parameter(self.images, element, "specular_transmittance", facets.crossing(self.reader, transmitted, ior))
+        parameter(self.images, element, "specular_transmittance", transmitted)
         return Closure(self.relief(element, node, groups))
 
     def _whole_glass(self, element: xml.Element, color: Union[Color, Texture], ior: float, node: Any, groups: Groups) -> Any:

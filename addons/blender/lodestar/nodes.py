@@ -64,9 +64,8 @@ class Reader:
     # Whether a node has asked for the object, and whether a displacement has asked for its scale.
     asks_for_object: bool = False
     asks_for_scale: bool = False
-    # Whether programs may scale what glass transmits, and whether one does.
-    scales_glass: bool = True
-    has_scaled_glass: bool = False
+    # Whether Bump Map Correction is on.
+    corrects_normals: bool = True
 
     def __post_init__(self) -> None:
         self.evaluator = Evaluator(self, self.images.graph)

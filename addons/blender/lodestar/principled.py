@@ -296,8 +296,8 @@ class _Principled:
         if abs(self.ior - 1.0) < 1e-4:
             element = xml.add(xml.add(xml.plugin("bsdf", "thindielectric"), "int_ior", 1.0), "ext_ior", 1.0)
             return materials.parameter(self.images, element, "specular_transmittance", tint)
-        tint = facets.crossing(self.reader, tint, self.ior)
-        return materials.parameter(self.images, self._dielectric(self.ior), "specular_transmittance", tint)
+        element = xml.add(self._dielectric(self.ior), "scale_radiance", False)
+        return materials.parameter(self.images, element, "specular_transmittance", tint)
 
     def _dielectric(self, ior: float) -> xml.Element:
         """Smooth or rough boundary of a body."""
@@ -459,7 +459,31 @@ def _normal_map(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) ->
         found = reader.images.of_color(texture, f"normal {strength}")
     else:
         found = reader.images.element(texture.with_operation(f"normal {strength}") if strength != 1.0 else texture)
-    return xml.with_children(xml.add(xml.plugin("bsdf", "normalmap"), "normalmap", found), bsdf)
+    element = _with_rules(xml.plugin("bsdf", "normalmap"), bsdf, reader.corrects_normals)
+    return xml.with_children(xml.add(element, "normalmap", found), bsdf)
+
+
+# Plugins without a diffuse part.
+SPECULAR = ("conductor", "roughconductor", "dielectric", "roughdielectric", "thindielectric")
+
+
+def _is_specular(bsdf: xml.Element) -> bool:
+    """Whether a BSDF has no diffuse part."""
+    parts = bsdf.findall("bsdf")
+    if parts:
+        return all(_is_specular(part) for part in parts)
+    metallic = bsdf.find("float[@name='metallic']")
+    return bsdf.get("type") in SPECULAR or metallic is not None and float(metallic.get("value")) == 1.0
+
+
+def _with_rules(relief: xml.Element, bsdf: xml.Element, corrects_normals: bool) -> xml.Element:
+    """Relief over a BSDF, with the rules of Cycles: light from grazing angles fades on diffuse surfaces only, and others reflect no light
+    into the surface where *Bump Map Correction* is on."""
+    if _is_specular(bsdf):
+        xml.add(relief, "use_shadowing_function", False)
+        if corrects_normals:
+            xml.add(relief, "raise_invalid_normals", True)
+    return relief
 
 
 def _bumped(reader: Reader, bsdf: xml.Element, heights: list[tuple[float, Texture]]) -> xml.Element:
@@ -470,14 +494,14 @@ def _bumped(reader: Reader, bsdf: xml.Element, heights: list[tuple[float, Textur
         scale, height = heights[0]
         element = xml.with_children(xml.plugin("bsdf", "bumpmap"), reader.images.element(height))
         xml.add(element, "scale", scale)
-        return xml.with_children(element, bsdf)
+        return xml.with_children(_with_rules(element, bsdf, reader.corrects_normals), bsdf)
     # Bump maps over each other are one of the sum of their heights, but for terms of the second order in the slopes.
     images = reader.images
     total = images.graph.constant(0.0)
     for scale, height in heights:
         total = total + scale * reader.as_program(height)
     element = xml.with_children(xml.plugin("bsdf", "bumpmap"), images.element(Texture(program=total)))
-    return xml.with_children(element, bsdf)
+    return xml.with_children(_with_rules(element, bsdf, reader.corrects_normals), bsdf)
 
 
 def _heights(reader: Reader, node: Any, groups: Groups) -> list[tuple[float, Texture]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import bpy
@@ -261,6 +262,45 @@ def test_light_that_leaves_glass_alone(name: str) -> None:
     scenes.ball(scene, "shell", 0.7, scenes.simple(name, kind, **sockets))
     scenes.ball(scene, "core", 0.3, scenes.simple("core", "ShaderNodeEmission", Color=(1.0, 0.8, 0.6), Strength=1.0))
     assert_agrees(scene, name, 256, block, whole)
+
+
+# Surfaces without a diffuse part: a node, values of its sockets, and the largest deviations of a block and of the mean.
+GLOSSY = {
+    "glossy": ("ShaderNodeBsdfAnisotropic", dict(Color=(0.9, 0.7, 0.5), Roughness=0.3), 0.01, 0.003),
+    "mirror": ("ShaderNodeBsdfAnisotropic", dict(Color=(0.9, 0.7, 0.5), Roughness=0.0), 0.01, 0.003),
+    "metal": ("ShaderNodeBsdfPrincipled", dict(Base_Color=(0.9, 0.7, 0.5), Roughness=0.3, Metallic=1.0), 0.01, 0.003),
+}
+
+
+def glossy_waves(name: str) -> Any:
+    """A plane that is seen from a low angle, with steep waves of a normal map, below a world that is brighter near the horizon."""
+    kind, sockets, _, _ = GLOSSY[name]
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, -6, 1.2), (0, 0, 0.0), lens=60)
+    rows, columns = np.mgrid[0:64, 0:64] * (2 * math.pi / 64)
+    normals = np.dstack([np.sin(4 * columns) * 0.6, np.cos(4 * rows) * 0.6, np.full((64, 64), 0.5)])
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+
+    def build(tree: Any) -> Any:
+        node = tree.nodes.new("ShaderNodeNormalMap")
+        texture = tree.nodes.new("ShaderNodeTexImage")
+        texture.image = scenes.image("waves", 0.5 * (normals + 1.0), "Non-Color", is_float=True)
+        tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+        return scenes.shader(tree, kind, **sockets, Normal=node.outputs["Normal"]).outputs[0]
+
+    scenes.plane(scene, "waves", 4, scenes.material(name, build))
+    scenes.world(scene, (0.6, 0.8, 1.0))
+    scenes.ball(scene, "ball", 0.5, scenes.diffuse("red", (0.8, 0.1, 0.1)), location=(0, 0.5, 0.5))
+    return scene
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 5), reason="before Blender 4.5, Cycles corrects bumps otherwise")
+@pytest.mark.parametrize("name", GLOSSY)
+def test_normals_of_glossy_surfaces_are_raised(name: str) -> None:
+    """Where a normal map would mirror light into a glossy surface, both renderers bend the normal back."""
+    _, _, block, whole = GLOSSY[name]
+    assert_agrees(glossy_waves(name), name, 256, block, whole)
 
 
 def test_frames_of_an_animation() -> None:

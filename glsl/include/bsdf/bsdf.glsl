@@ -52,9 +52,20 @@ vec3 bsdf_albedo(Bsdf b) {
     return has_feature(FEATURE_SHEEN) ? b.sheen_lobe.kept * albedo + b.sheen_lobe.albedo : albedo;
 }
 
+// Whether radiance that crosses the surface does not change with the index of refraction, as in Cycles.
+bool is_unscaled(Bsdf b) {
+    return has_feature(FEATURE_UNSCALED) && bsdf_flag(b, MATERIAL_UNSCALED);
+}
+
+// The sample of an unscaled BSDF, from that of its kind.
+BsdfSample without_scaling(Bsdf b, BsdfSample s) {
+    if (is_unscaled(b)) s = BsdfSample(s.wi, s.lobe, s.weight * (s.eta * s.eta), 1.0);
+    return s;
+}
+
 // Samples a BSDF without its coating and its sheen. u.xy draws the direction, u.z selects the lobe.
 BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
-    return sample_bsdf_of_kind(b, wo, sample_facet(b, wo, u), u);
+    return without_scaling(b, sample_bsdf_of_kind(b, wo, sample_facet(b, wo, u), u));
 }
 
 float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
@@ -62,7 +73,12 @@ float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
 }
 
 vec3 eval_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi) {
-    return eval_bsdf_of_kind(b, wo, wi, bsdf_facet(b, wo, wi));
+    vec3 value = eval_bsdf_of_kind(b, wo, wi, bsdf_facet(b, wo, wi));
+    if (is_unscaled(b) && wo.z * wi.z < 0.0) {
+        float eta = facets_of(b).eta;
+        value *= wo.z > 0.0 ? eta * eta : 1.0 / (eta * eta);
+    }
+    return value;
 }
 
 // Whether a coating covers the surface. Specialization makes this false where no material of the scene has a coating.

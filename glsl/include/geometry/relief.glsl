@@ -34,6 +34,28 @@ vec3 upright_in(mat3 frame) {
     return vec3(frame[0].z, frame[1].z, frame[2].z);
 }
 
+// The normal `n` of a facet where its mirror direction of `wo` leaves the surface. Otherwise the normal of the same plane, between `n` and
+// the surface's normal, whose mirror direction just leaves it, as in Cycles. `surface_normal` is on the side of `wo`. All have length 1.
+//
+// In that plane the mirror direction of a normal at the angle a to the surface's has the height x sin(2 a) + z cos(2 a) over the surface,
+// where `wo` is x along the surface and z above it.
+vec3 raised_normal(vec3 n, vec3 surface_normal, vec3 wo) {
+    float z = dot(wo, surface_normal);
+    float least = min(0.9 * z, 0.01);
+    vec3 along = n - dot(n, surface_normal) * surface_normal;
+    float squared = dot(along, along);
+    bool leaves = dot(2.0 * dot(n, wo) * n - wo, surface_normal) >= least || squared == 0.0;
+    along *= inversesqrt(max(squared, 1.0e-37));
+    float x = dot(wo, along);
+    float angle = 0.5 * (atan(x, z) + acos(clamp(least * inversesqrt(max(x * x + z * z, 1.0e-20)), -1.0, 1.0)));
+    return leaves ? n : cos(angle) * surface_normal + sin(angle) * along;
+}
+
+// Whether `wi` is above the surface in both frames, or below it in both. `wi` and `upright` are in the tilted frame.
+bool is_on_one_side(vec3 upright, vec3 wi) {
+    return dot(upright, wi) * wi.z > 0.0;
+}
+
 // Shadowing factor of the light from `wi`, in [0, 1] (Conty Estevez et al. 2019). The factor is 0 where `wi` is above
 // the surface in only one of the two frames. It falls at grazing angles, so that the shadows of tilted facets end
 // softly. `wi` and `upright` are in the tilted frame.

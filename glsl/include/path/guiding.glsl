@@ -34,10 +34,18 @@ bool has_relief() {
     return has_feature(FEATURE_BUMP | FEATURE_NORMAL_MAP);
 }
 
+// Share of the light from the local direction `wi` that a bump or normal map leaves.
+float lit_share(Scatterer scatterer, vec3 wi) {
+    float share = relief_shadowing(scatterer.upright, wi);
+    bool unshadowed = has_feature(FEATURE_RELIEF_UNSHADOWED) && bsdf_flag(scatterer.bsdf, MATERIAL_RELIEF_UNSHADOWED);
+    if (unshadowed) share = is_on_one_side(scatterer.upright, wi) ? 1.0 : 0.0;
+    return share;
+}
+
 // f cos, for the local direction `wi`.
 vec3 eval_scatterer(Scatterer scatterer, vec3 wi) {
     vec3 f = eval_bsdf(scatterer.bsdf, scatterer.wo, wi);
-    return has_relief() ? f * relief_shadowing(scatterer.upright, wi) : f;
+    return has_relief() ? f * lit_share(scatterer, wi) : f;
 }
 
 bool is_guided(Guide guide) {
@@ -108,7 +116,7 @@ float sample_pdf(Scatterer scatterer, Guide guide, BsdfSample bsdf_sample, float
 vec3 sample_weight(Scatterer scatterer, BsdfSample bsdf_sample, float pdf) {
     if (bsdf_sample.lobe == LOBE_DELTA) {
         vec3 weight = bsdf_sample.weight;
-        return has_relief() ? weight * relief_shadowing(scatterer.upright, bsdf_sample.wi) : weight;
+        return has_relief() ? weight * lit_share(scatterer, bsdf_sample.wi) : weight;
     }
     return pdf > 0.0 ? eval_scatterer(scatterer, bsdf_sample.wi) / pdf : vec3(0.0);
 }
@@ -127,9 +135,10 @@ DirectionSample sample_direction_bsdf(Scatterer scatterer, Guide guide, BsdfSamp
     return result;
 }
 
-// Index of refraction behind the guided local direction `wi` over that in front; 1 where no light is transmitted.
+// Index of refraction behind the guided local direction `wi` over that in front; 1 where no light is transmitted or it scales no radiance.
 float refraction(Scatterer scatterer, vec3 wi) {
     bool transmits = guides_whole() && is_kind(scatterer.bsdf, BSDF_ROUGH_DIELECTRIC) && scatterer.wo.z * wi.z < 0.0;
+    if (is_unscaled(scatterer.bsdf)) transmits = false;
     float eta = facets_of(scatterer.bsdf).eta;
     return transmits ? (scatterer.wo.z > 0.0 ? eta : 1.0 / eta) : 1.0;
 }

@@ -66,6 +66,10 @@ mat3 tilted_frame(Surface surface, mat3 upright, uint material, vec3 wo, vec3 wo
     if (has_feature(FEATURE_NORMAL_MAP) && (flags & MATERIAL_NORMAL_MAP) != 0u) {
         n = mapped_normal(sample_pattern(relief, surface.uv).rgb);
     }
+    if (has_feature(FEATURE_RELIEF_RAISED) && (flags & MATERIAL_RELIEF_RAISED) != 0u && dot(n, n) > 0.0) {
+        vec3 surface_normal = surface.geometric_normal * upright;
+        n = raised_normal(normalize(n), dot(surface_normal, wo) < 0.0 ? -surface_normal : surface_normal, wo);
+    }
     return relief_frame(n, wo);
 }
 

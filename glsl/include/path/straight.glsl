@@ -87,12 +87,12 @@ Transmission transmission_of_part(Surface surface, vec3 wo, uint material) {
         sheet = straight_thin_dielectric(dielectric_of(scatterer.bsdf), scatterer.wo);
     }
     if (bends_light() && has_flag(material, MATERIAL_REFRACTS)) {
-        BsdfSample behind = refracted(dielectric_of(scatterer.bsdf), scatterer.wo);
+        BsdfSample behind = without_scaling(scatterer.bsdf, refracted(dielectric_of(scatterer.bsdf), scatterer.wo));
         sheet = behind.weight;
         wi = behind.wi;
         direction = scatterer.frame * wi;
     }
-    if (has_relief()) sheet *= relief_shadowing(scatterer.upright, wi);
+    if (has_relief()) sheet *= lit_share(scatterer, wi);
     return Transmission(vec3(1.0 - opacity) + opacity * sheet, direction);
 }
 

@@ -109,6 +109,12 @@ const uint MATERIAL_ENERGY_PRESERVING = 2097152u;
 const uint MATERIAL_SHEEN = 4194304u;
 // The surface is a smooth dielectric and nothing else: all light that it transmits goes on in one direction.
 const uint MATERIAL_REFRACTS = 8388608u;
+// Radiance that crosses the surface does not change with the index of refraction.
+const uint MATERIAL_UNSCALED = 16777216u;
+// A bump or normal map casts no soft shadows.
+const uint MATERIAL_RELIEF_UNSHADOWED = 33554432u;
+// Normals of a bump or normal map are raised until their mirror directions leave the surface.
+const uint MATERIAL_RELIEF_RAISED = 67108864u;
 
 // Position of the exterior medium in the word of a material's record that holds both media.
 const uint EXTERIOR_MEDIUM_SHIFT = 16u;
@@ -135,6 +141,9 @@ const uint FEATURE_ENERGY_PRESERVING = 16384u;
 const uint FEATURE_SHEEN = 32768u;
 // Connections to lights go on through materials that refract.
 const uint FEATURE_REFRACTED_CONNECTIONS = 65536u;
+const uint FEATURE_UNSCALED = 131072u;
+const uint FEATURE_RELIEF_UNSHADOWED = 262144u;
+const uint FEATURE_RELIEF_RAISED = 524288u;
 
 // Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
 const uint VOLUME_COLORS = 1u;

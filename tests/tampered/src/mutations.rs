@@ -523,11 +523,7 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     mutation(
         "refracted light counted twice",
-        &[Patch {
-            file: VERTEX,
-            text: "met = meets_light(",
-            mutated: "met = !MUTATED && meets_light(",
-        }],
+        &[Patch { file: VERTEX, text: "met = meets_light(", mutated: "met = !MUTATED && meets_light(" }],
     ),
     mutation(
         "the density of a refracted direction",

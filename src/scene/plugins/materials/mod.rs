@@ -20,7 +20,7 @@ use super::scope::Scope;
 use super::textures::Textures;
 use crate::Result;
 use crate::generated::constants;
-use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, Sheen, SurfaceMaterial};
+use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, ReliefRules, Sheen, SurfaceMaterial};
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::faults::{self, Faults};
@@ -219,7 +219,10 @@ impl<'a> Materials<'a> {
         }
         let mut parameters = Parameters::new(properties, textures, warnings);
         let tree = match surfaces::parse(&mut parameters)? {
-            Some(bsdf) => Tree::Surface(SurfaceMaterial::plain(bsdf)),
+            Some(bsdf) => {
+                let scales_radiance = scales_radiance(&mut parameters, &bsdf)?;
+                Tree::Surface(SurfaceMaterial { scales_radiance, ..SurfaceMaterial::plain(bsdf) })
+            }
             None => modify(&mut parameters, parts)?,
         };
         parameters.finish()?;
@@ -231,6 +234,16 @@ impl<'a> Materials<'a> {
             return Err(object.error(format!("blends within blends, more than {MAX_CHOICES} deep, are not supported")));
         }
         Ok(tree)
+    }
+}
+
+/// Reads `scale_radiance`, which is not Mitsuba's, of BSDFs that refract light.
+fn scales_radiance(parameters: &mut Parameters, bsdf: &Bsdf) -> Result<bool> {
+    match bsdf {
+        Bsdf::Dielectric { .. } | Bsdf::RoughDielectric { .. } | Bsdf::Principled(_) => {
+            Ok(parameters.properties.boolean("scale_radiance")?.unwrap_or(true))
+        }
+        _ => Ok(true),
     }
 }
 
@@ -255,8 +268,11 @@ fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
         "mixturebsdf" => Ok(mixture::mixture(parameters, parts)?),
         "null" => Ok(Tree::null()),
         "polarizer" | "circular" | "retarder" => Ok(polarizing(parameters)?),
-        "bumpmap" => one(parts)?.with_relief(bump_map(parameters)?),
-        "normalmap" => one(parts)?.with_relief(normal_map(parameters)?),
+        "bumpmap" | "normalmap" => {
+            let rules = relief_rules(parameters)?;
+            let relief = if &**plugin == "bumpmap" { bump_map(parameters)? } else { normal_map(parameters)? };
+            one(parts)?.with_relief(relief, rules)
+        }
         "coating" => one(parts)?.coated(coating(parameters)?),
         "sheen" => {
             let base = if parts.is_empty() { Tree::black() } else { one(parts)? };
@@ -302,27 +318,26 @@ fn blend(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
 }
 
 fn bump_map(parameters: &mut Parameters) -> Result<Relief> {
-    check_relief_options(parameters)?;
     let scale = parameters.properties.float("scale")?.unwrap_or(1.0);
     let (texture, factor) = parameters.relief_texture(None, Role::Heights)?;
     Ok(Relief::Bump { texture, scale: scale * factor })
 }
 
 fn normal_map(parameters: &mut Parameters) -> Result<Relief> {
-    check_relief_options(parameters)?;
     let (texture, _) = parameters.relief_texture(Some("normalmap"), Role::Normals)?;
     Ok(Relief::NormalMap { texture })
 }
 
-/// Refuses scenes that switch off Mitsuba's corrections of invalid normals, which are always on here.
-fn check_relief_options(parameters: &mut Parameters) -> Result<()> {
-    for name in ["flip_invalid_normals", "use_shadowing_function"] {
-        let location = parameters.properties.location(name);
-        if parameters.properties.boolean(name)? == Some(false) {
-            return Err(location.error(format!("`{name}` cannot be switched off; leave it out")));
-        }
+/// Reads the corrections of invalid normals. `raise_invalid_normals` is not Mitsuba's. Normals that still face away are always flipped.
+fn relief_rules(parameters: &mut Parameters) -> Result<ReliefRules> {
+    let location = parameters.properties.location("flip_invalid_normals");
+    if parameters.properties.boolean("flip_invalid_normals")? == Some(false) {
+        return Err(location.error("`flip_invalid_normals` cannot be switched off; leave it out"));
     }
-    Ok(())
+    Ok(ReliefRules {
+        shadows: parameters.properties.boolean("use_shadowing_function")?.unwrap_or(true),
+        raises: parameters.properties.boolean("raise_invalid_normals")?.unwrap_or(false),
+    })
 }
 
 /// Reads a `coating`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks.

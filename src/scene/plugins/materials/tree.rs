@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::scene::bsdf::{Bsdf, Coating, Relief, Sheen, SurfaceMaterial};
+use crate::scene::bsdf::{Bsdf, Coating, Relief, ReliefRules, Sheen, SurfaceMaterial};
 use crate::scene::texture::Textured;
 
 /// Material in normal form: a surface, or a choice.
@@ -136,14 +136,17 @@ impl Tree {
     }
 
     /// Puts a `bumpmap` or `normalmap` around the material.
-    pub fn with_relief(self, relief: Relief) -> Result<Self, &'static str> {
+    pub fn with_relief(self, relief: Relief, relief_rules: ReliefRules) -> Result<Self, &'static str> {
         if matches!(self, Self::Sides { .. }) {
             return Err(
                 "a bump or normal map around a `twosided` with two sides is not supported; put one into each side",
             );
         }
         self.map(&|surface| match surface.relief {
-            None => Ok(SurfaceMaterial { relief: Some(relief), relief_outside: surface.two_sided, ..surface }),
+            None => {
+                let relief_outside = surface.two_sided;
+                Ok(SurfaceMaterial { relief: Some(relief), relief_outside, relief_rules, ..surface })
+            }
             Some(_) => Err("a bump or normal map inside another is not supported"),
         })
     }

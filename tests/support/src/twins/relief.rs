@@ -31,3 +31,25 @@ pub fn relief_shadowing(n: DVec3, wi: DVec3) -> f64 {
     let alpha2 = (0.125 * tan2(n)).min(1.0);
     2.0 / (1.0 + (1.0 + alpha2 * tan2(wi)).sqrt())
 }
+
+/// Height of the mirror direction of `wo` over the surface, in the surface's own frame.
+pub fn mirrored_height(n: DVec3, wo: DVec3) -> f64 {
+    2.0 * n.dot(wo) * n.z - wo.z
+}
+
+/// Normal that is raised until the mirror direction of `wo` leaves the surface: bisection of the angle between the surface's normal and `n`.
+/// `wo` is above the surface.
+pub fn raised_normal(n: DVec3, wo: DVec3) -> DVec3 {
+    let least = (0.9 * wo.z).min(0.01);
+    if mirrored_height(n, wo) >= least {
+        return n;
+    }
+    let along = n.reject_from_normalized(DVec3::Z).normalize();
+    let at = |angle: f64| angle.cos() * DVec3::Z + angle.sin() * along;
+    let (mut low, mut high) = (0.0, n.angle_between(DVec3::Z));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *if mirrored_height(at(middle), wo) >= least { &mut low } else { &mut high } = middle;
+    }
+    at(low)
+}
