@@ -126,7 +126,7 @@ pub enum Relief {
     },
 }
 
-/// What is done about normals of a relief that no real surface could have.
+/// Rules for normals of a relief that no real surface could have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub struct ReliefRules {
     /// `use_shadowing_function`: light from grazing angles fades (Conty Estevez et al. 2019).

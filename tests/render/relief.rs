@@ -67,7 +67,7 @@ fn answer(n: DVec3) -> f64 {
     answer_with(n, relief_shadowing)
 }
 
-/// The same with another factor of shadowing.
+/// Radiance of such a floor with another factor of shadowing.
 fn answer_with(n: DVec3, shadowing: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let frame = relief_frame(n, DVec3::Z);
     let count = 400;
