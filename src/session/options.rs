@@ -352,7 +352,7 @@ impl Options {
         depth_warning(scene).filter(|_| !is_chosen)
     }
 
-    /// These options for other scenes of a render that has begun. Its connection to ranks ends when its owner wants.
+    /// Options for other scenes of a render that has begun. Its connection to ranks ends when its owner wants.
     pub(super) fn for_other_scenes(&self) -> Self {
         Self { exchange: None, ..self.clone() }
     }
