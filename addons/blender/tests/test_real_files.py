@@ -45,6 +45,7 @@ def test_a_folder(tmp_path: Path) -> None:
         "differs.blend: rendered, 1 warnings, differs",
         "twins.blend: rendered, 0 warnings, differs",
         "1 more agree with faces apart, 1 of them without a warning",
+        "0 more differ between two seeds of Cycles",
         "noise.blend: not opened",
         "panorama.blend: refused",
         "without.blend: no camera",
@@ -54,6 +55,17 @@ def test_a_folder(tmp_path: Path) -> None:
         "    1 object: a holdout is not supported; it is an ordinary surface",
     ):
         assert any(line.startswith(start) for line in lines), (start, ended.stdout)
+
+
+def test_files_that_cycles_cannot_judge() -> None:
+    """A file that differs is counted apart where two seeds of Cycles differ, too, and where it does not agree otherwise."""
+    differs, same = {"ratio": 1.4, "block": 0.5}, {"ratio": 1.0, "block": 0.01}
+    result = {"state": "rendered", "warnings": [], **differs}
+    for itself, apart, found in ((differs, differs, 1), (same, differs, 0), (differs, same, 0)):
+        lines = real_files.summary([{**result, "itself": itself, "apart": apart}])
+        assert f"{found} more differ between two seeds of Cycles, {found} of them without a warning" in lines
+    line = real_files.line_of("a", {**result, "itself": same, "apart": differs})
+    assert "agrees by Cycles itself with another seed: mean 1.000" in line and "differs with faces apart: mean 1.400" in line
 
 
 def test_kinds_of_warnings() -> None:
