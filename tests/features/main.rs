@@ -14,8 +14,8 @@
 //! A picture agrees unless a deviation of its mean, of a block, or of all blocks together has a probability below [`ALPHA`]
 //! over all pictures of the run (Sidak 1967). So a right renderer fails once in 10,000 runs.
 //!
-//! These probabilities hold for errors that are normally distributed. A few samples of a rare bright path, such as a caustic's, are not:
-//! a picture that has none of them takes itself for exact. So the verdict on a picture that deviates is that on another picture, with
+//! Probabilities of this kind hold for errors that are normally distributed. With few samples of a rare bright path, such as a caustic's,
+//! errors are not: a picture that has missed the path takes itself for exact. So the verdict on a picture that deviates is that on another picture, with
 //! [`MORE`] times the samples and another seed. A fault stands out more clearly there. Twins are judged alike.
 //!
 //! `LODESTAR_FEATURES=WORD` renders only the scenes whose names contain the word, `LODESTAR_PART=K/N` every N-th scene from the
