@@ -401,6 +401,24 @@ fn shapes_that_share_a_mesh_become_instances() {
     assert_eq!((scene.primitives.len(), scene.instances.len()), (200 * 4000, 0));
 }
 
+/// A mesh is met from both sides, unless it says otherwise. One that bounds a medium cannot.
+#[test]
+fn meshes_may_be_met_from_their_front_only() {
+    for (value, is_front) in [("", false), ("false", false), ("true", true)] {
+        let parameter = match value {
+            "" => String::new(),
+            value => format!(r#"<boolean name="front_only" value="{value}"/>"#),
+        };
+        let scene = with_mesh(&MESH.replace("</shape>", &format!("{parameter}</shape>")), 2).load(&[]).unwrap();
+        assert!(scene.primitives.iter().all(|primitive| primitive.front_only == is_front), "{value}");
+        assert!(scene.warnings.iter().all(|warning| !warning.contains("front_only")), "{:?}", scene.warnings);
+        let medium = r#"<medium name="interior" type="homogeneous"/>"#;
+        let body = MESH.replace("</shape>", &format!("{parameter}{medium}</shape>"));
+        let error = with_mesh(&body, 2).load(&[]).map(drop).err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(error.contains("`front_only`"), is_front, "{error}");
+    }
+}
+
 /// A normal that is no number counts as none: the vertex has the face's.
 #[test]
 fn normals_that_are_no_numbers() {

@@ -27,13 +27,18 @@ def colors(mesh: Any, name: str, vertex_of_loop: np.ndarray) -> Optional[np.ndar
         return np.zeros((len(vertex_of_loop), 3), np.float32)
     if attribute.data_type not in MEMBERS or attribute.domain not in ("POINT", "CORNER", "FACE"):
         return None
+    values = three(numbers(attribute))
+    if attribute.domain == "CORNER":
+        return values
+    return values[vertex_of_loop if attribute.domain == "POINT" else _face_of_loop(mesh)]
+
+
+def numbers(attribute: Any) -> np.ndarray:
+    """Values of an attribute whose type is one of `MEMBERS`, as rows of numbers."""
     member, count, kind = MEMBERS[attribute.data_type]
     values = np.empty(count * len(attribute.data), kind)
     attribute.data.foreach_get(member, values)
-    three = _three(values.reshape(-1, count).astype(np.float32))
-    if attribute.domain == "CORNER":
-        return three
-    return three[vertex_of_loop if attribute.domain == "POINT" else _face_of_loop(mesh)]
+    return values.reshape(-1, count).astype(np.float32)
 
 
 def _rendered(mesh: Any) -> Any:
@@ -43,7 +48,7 @@ def _rendered(mesh: Any) -> Any:
     return attributes[index] if 0 <= index < len(attributes) else None
 
 
-def _three(values: np.ndarray) -> np.ndarray:
+def three(values: np.ndarray) -> np.ndarray:
     """Numbers in all three channels, and vectors of two with a third number 0."""
     if values.shape[1] == 1:
         return np.repeat(values, 3, axis=1)

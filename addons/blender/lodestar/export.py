@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Optional
 
-from . import camera, falloff, lights, materials, motion, suns, unsupported, volumes, world, xml
+from . import camera, falloff, hair, lights, materials, motion, suns, unsupported, volumes, world, xml
 from .enclosures import Body, Box, Enclosures
 from .grids import Grids
 from .hashes import number_of_object
@@ -19,6 +19,7 @@ from .instances import Shapes
 from .meshes import Kept, Meshes, Part, Wanted
 from .nodes import Placed, Reader, Surroundings
 from .report import Report
+from .strands import Strands
 from .volumes import Volume
 
 SCENE_FILE = "scene.xml"
@@ -87,7 +88,8 @@ class _Exporter:
         self.images = Images(folder, self.report)
         self.meshes = Meshes(folder, self.report, None if viewed is None else viewed.kept)
         self.materials: dict[str, materials.Material] = {}
-        self.parts: dict[Any, list[Part]] = {}
+        self.parts: dict[Any, Any] = {}
+        self.hair_files = hair.Files(self.meshes, self.report)
         self.shapes = Shapes()
         self.enclosures = Enclosures(self.report)
         self.grid_files: set[str] = set()
@@ -173,6 +175,8 @@ class _Exporter:
 
     def _instance(self, instance: Any) -> None:
         owner = instance.object
+        if hair.shows_hair(instance, self.layer):
+            self._hair(instance)
         if not instance.show_self:
             return
         if owner.type == "LIGHT":
@@ -184,10 +188,8 @@ class _Exporter:
             self._surface(Placed(owner, course.matrix, number), course, by)
         elif owner.type == "VOLUME" and self.layer.use_volumes:
             self._volume(owner, instance.matrix_world.copy())
-        elif owner.type not in INVISIBLE and owner.type not in ("MESH", "VOLUME"):
+        elif owner.type not in INVISIBLE and owner.type not in ("MESH", "VOLUME", "CURVES"):
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
-        if any(_shows_strands(system.settings) for system in getattr(owner, "particle_systems", [])):
-            self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
 
     def _course(self, instance: Any) -> xml.Course:
         matrix = instance.matrix_world.copy()
@@ -239,9 +241,7 @@ class _Exporter:
         if instancer is not None:
             unsupported.report_object(instancer, self.report)
         is_unseen = not owner.visible_camera or not getattr(instancer, "visible_camera", True)
-        override = self.layer.material_override
-        slots = [override] if override is not None else [slot.material for slot in owner.material_slots] or [None]
-        keys = [self._material(material, placed) for material in slots]
+        keys = [self._material(material, placed) for material in self._materials_of(owner)]
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
@@ -265,6 +265,47 @@ class _Exporter:
 
         body = Body(owner.name, region, course.matrix, volume, show)
         self.enclosures.bodies.append(body)
+
+    def _hair(self, instance: Any) -> None:
+        """Shows the strands of an object."""
+        owner, by = instance.object, instance.parent if instance.is_instance else None
+        course = self._course(instance)
+        unsupported.report_object(owner, self.report)
+        if self.depsgraph.scene.render.use_motion_blur and hair.is_dynamic(owner):
+            self.report.warn(f'object "{owner.name}"', "hair that moves by itself while the shutter is open is not supported; it moves with the object")
+        is_unseen = not owner.visible_camera or not getattr(by, "visible_camera", True)
+        number = instance.random_id if instance.is_instance else number_of_object(owner.name)
+        placed = Placed(owner, course.matrix, number, has_strands=True)
+        # Strands that stand in one place are round there.
+        stretch = hair.stretch(course.matrix) if by is None and not course.keys else None
+        shown = []
+        for group in self._strands(owner):
+            slots = self._materials_of(owner)
+            key = self._material(slots[min(group.slot, len(slots) - 1)], placed)
+            shown.append((self._strand_file(owner, group, key, stretch), key, is_unseen))
+        if shown:
+            self.shapes.add((tuple(shown), "strands"), course, lambda: [xml.add(self._shape(*each), "front_only", True) for each in shown])
+
+    def _strands(self, owner: Any) -> list[Strands]:
+        """Strands of an object. Instances of one object share them."""
+        key = "strands", owner.original.as_pointer(), owner.data.as_pointer()
+        if key not in self.parts:
+            kept = None if self.viewed is None else self.viewed.kept
+            self.parts[key] = hair.groups(owner, self.depsgraph.mode == "RENDER", self.depsgraph.scene, kept)
+        return self.parts[key]
+
+    def _strand_file(self, owner: Any, group: Strands, key: str, stretch: Any) -> str:
+        material = self.materials[key]
+        wanted = hair.wanted(material)
+        known = "strands", id(group), wanted, None if stretch is None else stretch.tobytes()
+        if known not in self.parts:
+            self.parts[known] = self.hair_files.write(group, wanted, f'object "{owner.name}"', stretch)
+        return self.parts[known]
+
+    def _materials_of(self, owner: Any) -> list[Any]:
+        """Materials of an object's slots."""
+        override = self.layer.material_override
+        return [override] if override is not None else [slot.material for slot in owner.material_slots] or [None]
 
     def _volume_within(self, owner: Any, keys: list[str]) -> Optional[Volume]:
         """Volume of an object's materials; None where no side of its surfaces needs a medium."""
@@ -349,19 +390,20 @@ class _Exporter:
     # ----------------------------------------------------------------------------------------------- materials
 
     def _material(self, material: Optional[Any], placed: Placed) -> str:
-        """Key of a material. One that asks for its object has a key for each place of each object, and one that asks for the object's scale
-        has one for each scale."""
+        """Key of a material. One that asks for its object has a key for each place of each object, one that asks for the object's scale has
+        one for each scale, and one that asks for strands has one for them."""
         key = "no material" if material is None else f"material {material.name_full}"
         scaled = f"{key} scaled by {sum(abs(scale) for scale in placed.matrix.to_scale()) / 3.0:.5g}"
-        for known in (key, scaled):
-            if known in self.materials:
+        of = " of strands" if placed.has_strands else ""
+        for known in (key + of, scaled + of, key, scaled):
+            if known in self.materials and (known.endswith(of) or not self.materials[known].asks_for_strands):
                 return known
-        own = f"{key} of {placed.owner.name_full} {placed.random_id} {hash(tuple(map(tuple, placed.matrix))):x}"
+        own = f"{key} of {placed.owner.name_full} {placed.random_id} {hash(tuple(map(tuple, placed.matrix))):x}{of}"
         if own not in self.materials:
             surroundings = Surroundings(placed, self.camera, self.projection)
             found = materials.translate(material, self.images, self.report, surroundings)
             if not found.asks_for_object:
-                own = scaled if found.asks_for_scale else key
+                own = (scaled if found.asks_for_scale else key) + (of if found.asks_for_strands or found.layout is not None else "")
             self.materials[own] = found
         return own
 
@@ -404,11 +446,6 @@ class _Exporter:
         if self.has_glass and any(weight < 1.0 for weight in weights):
             message = "light of suns with an angle, and of lamps for which points stand, does not pass glass"
             self.report.warn("scene", message)
-
-
-def _shows_strands(settings: Any) -> bool:
-    """Whether a particle system is rendered as strands. Of one that is rendered as objects, the objects are instances."""
-    return settings.type == "HAIR" and settings.render_type == "PATH"
 
 
 def _brighten(emitter: xml.Element, factor: float) -> None:

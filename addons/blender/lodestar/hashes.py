@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import struct
+from typing import Any
 
 
-def lookup3(*words: int) -> int:
-    """Hash of one to three words (Jenkins 2006)."""
+def lookup3(*words: Any) -> Any:
+    """Hash of one to three words (Jenkins 2006). A word may be an array of many, of 64 bits."""
     mask = 0xFFFFFFFF
     rotated = lambda x, by: ((x << by) | (x >> (32 - by))) & mask  # noqa: E731
     a = b = c = (0xDEADBEEF + (len(words) << 2) + 13) & mask

@@ -19,7 +19,10 @@ def _rows(matrix: Any) -> tuple[tuple[float, ...], ...]:
 
 
 def uv(e: Evaluator) -> Expression:
-    """Coordinates of the UV map."""
+    """Coordinates of the UV map; those of its root on a strand."""
+    found = e.reader.of_strands("uv")
+    if found is not None:
+        return found
     return e.graph.transformed(e.graph.source("uv"), FLIP)
 
 
@@ -57,6 +60,8 @@ def generated(e: Evaluator) -> Expression:
     place = e.reader.placed()
     if place is None:
         return position(e)
+    if place.has_strands:
+        return _generated_of_strands(e, place.owner)
     data = place.owner.data
     center = getattr(data, "texspace_location", (0.0, 0.0, 0.0))
     sizes = getattr(data, "texspace_size", (1.0, 1.0, 1.0))
@@ -65,6 +70,28 @@ def generated(e: Evaluator) -> Expression:
         tuple(scales[row] if column == row else 0.0 for column in range(3)) + (0.5 - center[row] * scales[row],) for row in range(3)
     )
     return e.graph.transformed(e.graph.transformed(position(e), _rows(place.matrix.inverted_safe())), rows)
+
+
+def _generated_of_strands(e: Evaluator, owner: Any) -> Expression:
+    """Coordinates of the root. In Cycles, hair curves have those in the object's space."""
+    if owner.type == "CURVES":
+        return in_object(e)  # type: ignore[return-value]
+    found = e.reader.of_strands("generated")
+    if found is None and e.reader.layout is not None:
+        e.reader.warn("Generated coordinates of strands beside image textures and numbers by chance are not supported; they are 0.5")
+    return found if found is not None else e.graph.constant(0.5)
+
+
+def _hair_info(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    e.reader.asks_for_strands = True
+    has_strands = e.reader.has_strands
+    if output.name == "Is Strand" or not has_strands:
+        return e.graph.constant(1.0 if has_strands else 0.0)
+    if output.name not in ("Intercept", "Random"):
+        return None
+    found = e.reader.of_strands(output.name.lower())
+    # Before it is known what is asked for, any value does.
+    return e.graph.constant(0.5) if found is None and e.reader.layout is None else found
 
 
 def _texture_coordinate(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
@@ -210,6 +237,7 @@ HANDLERS: dict[str, Handler] = {
     "UVMAP": _uv_map,
     "OBJECT_INFO": _object_info,
     "CAMERA": _camera_data,
+    "HAIR_INFO": _hair_info,
     "FRESNEL": _fresnel,
     "LAYER_WEIGHT": _layer_weight,
     "TEX_IMAGE": _image,

@@ -10,6 +10,7 @@ from typing import Any, Optional, Union
 
 from . import facets, principled, subsurface, volumes, xml
 from .images import Images, Texture
+from .layouts import Layout, layout
 from .nodes import OF_EEVEE, Color, Reader, Surroundings
 from .report import Report
 from .volumes import Volume
@@ -44,14 +45,37 @@ class Material:
     volume: Optional[Volume] = None  # within the object
     below: Optional[Volume] = None  # below the surface, in the place of the volume
     asks_for_smoke: bool = False  # whether the volume may take grids of a fluid domain
+    asks_for_strands: bool = False  # whether it differs between strands and surfaces
+    layout: Optional[Layout] = None  # what texture coordinates of its strands carry, where they are none
+    asks_for_uv: bool = False  # whether textures lie on a UV map
+
+    @property
+    def is_fiber(self) -> bool:
+        """Whether strands need texture coordinates that rise around and along them."""
+        return self.bsdf is not None and any(bsdf.get("type") == "hair" for bsdf in self.bsdf.iter("bsdf"))
 
 
 def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
     """Translates a material; None stands for Blender's default."""
     if material is None:
         return Material(principled.default(images), None, None, None, False)
-    place = f'material "{material.name}"'
-    reader = Reader(place, report, images, surroundings=surroundings, material_index=material.pass_index)
+    reader = _reader(material, images, report, surroundings)
+    found = _translated(material, reader)
+    needed = layout(reader.asked_of_strands, found.is_fiber) if reader.has_strands else None
+    if needed is None:
+        return found
+    # Now it is known what texture coordinates of strands have to carry.
+    reader = _reader(material, images, report, surroundings)
+    reader.layout = needed
+    return _translated(material, reader)
+
+
+def _reader(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Reader:
+    return Reader(f'material "{material.name}"', report, images, surroundings=surroundings, material_index=material.pass_index)
+
+
+def _translated(material: Any, reader: Reader) -> Material:
+    images = reader.images
     reader.corrects_normals = getattr(material.cycles, "use_bump_map_correction", True)
     tree = material.node_tree
     if tree is None or not material.use_nodes:
@@ -91,6 +115,9 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
         volume,
         closure.below,
         output is not None and volumes.asks_for_grids(output.inputs["Volume"]),
+        reader.asks_for_strands,
+        reader.layout,
+        "uv" in reader.asked_of_strands,
     )
 
 
@@ -98,6 +125,12 @@ def _of_both_sides(translator: _Translator, socket: Any) -> Closure:
     closure = translator.shader(socket, ())
     if closure.below is None or closure.bsdf is None:
         return closure
+    # Light passes strands from behind.
+    translator.reader.asks_for_strands = True
+    if translator.reader.has_strands:
+        translator.reader.warn("subsurface of strands is not supported; they are diffuse")
+        translator.has_subsurface = False
+        return translator.shader(socket, ())
     covered = subsurface.around(closure.bsdf)
     if covered is None:
         translator.reader.warn("subsurface beside holes is not supported; the surface is diffuse")

@@ -6,6 +6,7 @@ A mesh that has not changed has the same name as before, and its file is there a
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any, NamedTuple, Optional
 
@@ -37,15 +38,18 @@ class Wanted(NamedTuple):
 
 
 class Kept:
-    """Parts of objects' meshes that one export leaves to the next."""
+    """Parts of objects' meshes, and points of their strands, that one export leaves to the next."""
 
     def __init__(self) -> None:
         self._parts: dict[Any, tuple[Any, list[Part]]] = {}
+        # Points of strands.
+        self._places: dict[Any, np.ndarray] = {}
         self._asked: set[Any] = set()
 
     def forget(self, numbers: set[int]) -> None:
         """Forgets meshes of objects and of data with these numbers (`session_uid`), which have changed."""
         self._parts = {key: kept for key, kept in self._parts.items() if not numbers.intersection(key[:2])}
+        self._places = {key: kept for key, kept in self._places.items() if not numbers.intersection(key[:2])}
 
     def find(self, owner: Any, wanted: list[Wanted], folder: Path) -> Optional[list[Part]]:
         """Parts of an object that has not changed; None where none are known."""
@@ -59,9 +63,18 @@ class Kept:
         """Keeps parts of an object."""
         self._parts[_key(owner, wanted)] = (_shape(owner), parts)
 
+    def places(self, owner: Any, about: Hashable, look_up: Callable[[], np.ndarray]) -> np.ndarray:
+        """Points of an object's strands, which are looked up where they are not known."""
+        key = owner.original.session_uid, owner.original.data.session_uid, about
+        self._asked.add(key)
+        if key not in self._places:
+            self._places[key] = look_up()
+        return self._places[key]
+
     def drop_others(self) -> None:
-        """Drops the parts that no export has asked for since the last call, such as those of objects that are gone."""
+        """Drops what no export has asked for since the last call, such as parts of objects that are gone."""
         self._parts = {key: kept for key, kept in self._parts.items() if key in self._asked}
+        self._places = {key: kept for key, kept in self._places.items() if key in self._asked}
         self._asked.clear()
 
 
@@ -136,13 +149,15 @@ class Meshes:
 
     def _write(self, names: list[str], corners: np.ndarray) -> str:
         digest = hashlib.blake2b(repr(names).encode() + corners.tobytes(), digest_size=12).hexdigest()
-        name = f"mesh-{digest}.ply"
+        return self.write_named(f"mesh-{digest}.ply", lambda: (names, *_unique(corners)))
+
+    def write_named(self, name: str, build: Callable[[], tuple[list[str], np.ndarray, np.ndarray]]) -> str:
+        """Writes a file unless it is there. `build` makes the names of the vertices' numbers, the vertices and the triangles."""
         self.used.add(name)
         path = self.folder / name
         if not path.exists():
-            vertices, indices = _unique(corners)
             whole = path.with_suffix(".part")
-            whole.write_bytes(ply(names, vertices, indices))
+            whole.write_bytes(ply(*build()))
             whole.replace(path)
             self.written += 1
         return name

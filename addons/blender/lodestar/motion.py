@@ -122,7 +122,7 @@ class Motions:
         self._shapes.clear()
         for instance in self._depsgraph.object_instances:
             owner = instance.object
-            if instance.show_self and owner.type in ("MESH", "LIGHT"):
+            if owner.type in ("MESH", "LIGHT", "CURVES") and (instance.show_self or instance.show_particles):
                 parent = instance.parent if instance.is_instance else None
                 self._add(identity(instance), owner, parent, instance.matrix_world, time)
         camera = self._camera.evaluated_get(self._depsgraph)
@@ -174,18 +174,19 @@ def _may_change(owner: Any) -> bool:
     if owner.type == "CAMERA":
         return True
     original = owner.original
-    is_plain = original.type == "MESH" and not original.modifiers and getattr(original.data, "shape_keys", None) is None
-    return owner.type == "MESH" and not is_plain and getattr(getattr(owner, "cycles", None), "use_deform_motion", True)
+    is_plain = original.type in ("MESH", "CURVES") and not original.modifiers and getattr(original.data, "shape_keys", None) is None
+    return owner.type in ("MESH", "CURVES") and not is_plain and getattr(getattr(owner, "cycles", None), "use_deform_motion", True)
 
 
 def _numbers(owner: Any) -> np.ndarray:
-    """Numbers of a camera's lens, or the vertices of a mesh."""
+    """Numbers of a camera's lens, or the points of a mesh or of hair curves."""
     data = owner.data
     if owner.type == "CAMERA":
         return np.array([data.lens, data.ortho_scale, data.sensor_width, data.shift_x, data.shift_y])
-    points = np.empty(3 * len(data.vertices), np.float32)
-    data.vertices.foreach_get("co", points)
-    return points
+    points, name = (data.position_data, "vector") if owner.type == "CURVES" else (data.vertices, "co")
+    values = np.empty(3 * len(points), np.float32)
+    points.foreach_get(name, values)
+    return values
 
 
 def _is_usable(matrices: list[Any]) -> bool:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Optional, Union
 
 from .evaluator import Evaluator, convert
 from .images import MISSING, Images, Texture
+from .layouts import Layout
 from .limits import excess
 from .programs import Expression
 from .report import Report
@@ -15,7 +16,7 @@ from .report import Report
 Color = tuple[float, float, float]
 Value = Union[float, Color, Texture]
 # Types of nodes of which each output is a quantity of its own.
-QUANTITIES = {"TEX_COORD", "NEW_GEOMETRY", "OBJECT_INFO", "CAMERA"}
+QUANTITIES = {"TEX_COORD", "NEW_GEOMETRY", "OBJECT_INFO", "CAMERA", "HAIR_INFO"}
 # Types of nodes that EEVEE alone knows. In Cycles, a socket that they are linked to takes its default value.
 OF_EEVEE = {"SHADERTORGB", "EEVEE_SPECULAR"}
 
@@ -34,6 +35,8 @@ class Placed(NamedTuple):
     owner: Any
     matrix: Any
     random_id: int
+    # Whether strands of the object have it.
+    has_strands: bool = False
 
 
 @dataclass
@@ -66,9 +69,24 @@ class Reader:
     asks_for_scale: bool = False
     # Whether Bump Map Correction is on.
     corrects_normals: bool = True
+    # Quantities of strands that nodes have asked for, and whether the material differs between strands and surfaces.
+    asked_of_strands: set[str] = field(default_factory=set)
+    asks_for_strands: bool = False
+    # What texture coordinates of strands carry; None where they are texture coordinates.
+    layout: Optional[Layout] = None
 
     def __post_init__(self) -> None:
         self.evaluator = Evaluator(self, self.images.graph)
+
+    @property
+    def has_strands(self) -> bool:
+        """Whether strands have the material."""
+        return self.surroundings.placed is not None and self.surroundings.placed.has_strands
+
+    def of_strands(self, quantity: str) -> Optional[Expression]:
+        """Quantity of strands, by the layout; None where texture coordinates carry it not."""
+        self.asked_of_strands.add(quantity)
+        return None if self.layout is None else self.layout.value(self.images.graph, quantity)
 
     def placed(self) -> Optional[Placed]:
         """Object that has the material; None for a world."""
@@ -252,6 +270,9 @@ class Reader:
         """Texture of an Image Texture node on the UV map; None where it is another or lies otherwise."""
         to_uv = self.uv_transform(node.inputs["Vector"], groups)
         if to_uv is None:
+            return None
+        self.asked_of_strands.add("uv")
+        if self.layout is not None:
             return None
         texture = self.plain_image(node, channel)
         return None if texture is None else replace(texture, to_uv=to_uv)

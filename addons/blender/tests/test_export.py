@@ -332,17 +332,6 @@ def test_a_fault_of_the_add_on_ends_the_render_alone(monkeypatch: pytest.MonkeyP
         support.render(scene, "LODESTAR", 1)
 
 
-@pytest.mark.parametrize("kind,has_warning", [("PATH", True), ("OBJECT", False), ("COLLECTION", False), ("NONE", False)])
-def test_only_strands_of_hair_are_named(tmp_path: Path, kind: str, has_warning: bool) -> None:
-    """Hair that is rendered as objects is instances of them."""
-    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
-    ground = scene.objects["ground"]
-    ground.modifiers.new("hair", "PARTICLE_SYSTEM")
-    settings = ground.particle_systems[0].settings
-    settings.type, settings.count, settings.render_type = "HAIR", 5, kind
-    assert any("hair" in warning for warning in exported(tmp_path).report.warnings) == has_warning
-
-
 def test_bytes_of_images_are_decoded_by_the_curve() -> None:
     """A table of the 256 values of bytes is the sRGB curve."""
     scenes.empty()

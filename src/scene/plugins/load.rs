@@ -273,6 +273,10 @@ impl<'a> Builder<'a> {
                 "a shape that bounds a medium cannot be invisible to the camera; leave `visible_to_camera` out";
             self.faults.keep::<()>(Err(object.error(message)));
         }
+        if common.front_only && boundary.is_some() && geometry.as_ref().and_then(curves::kind).is_none() {
+            let message = "a mesh that bounds a medium must be met from both sides; leave `front_only` out";
+            self.faults.keep::<()>(Err(object.error(message)));
+        }
         let bsdf = properties.object(Kind::Bsdf)?;
         let is_facing = matches!(geometry, Some(Geometry::FacingDisk));
         if is_facing {

@@ -73,9 +73,11 @@ type Reader = fn(&mut Properties, &mut Common) -> Result<Geometry>;
 
 /// Plugins that have primitives, with their readers.
 const READERS: [(&str, Reader); 11] = [
-    ("obj", |properties, _| parse_mesh(properties, MeshFormat::Obj)),
-    ("ply", |properties, _| parse_mesh(properties, MeshFormat::Ply)),
-    ("serialized", |properties, _| parse_shape_index(properties).and_then(|format| parse_mesh(properties, format))),
+    ("obj", |properties, common| parse_mesh(properties, MeshFormat::Obj, common)),
+    ("ply", |properties, common| parse_mesh(properties, MeshFormat::Ply, common)),
+    ("serialized", |properties, common| {
+        parse_shape_index(properties).and_then(|format| parse_mesh(properties, format, common))
+    }),
     ("rectangle", |properties, _| flat(properties, Geometry::Rectangle)),
     ("cube", |properties, _| flat(properties, Geometry::Cube)),
     ("sphere", |properties, common| parse_sphere(properties, common, Geometry::Sphere)),
@@ -138,7 +140,8 @@ fn parse_mesh_in_memory(properties: &mut Properties, index: usize) -> Result<Geo
     Ok(Geometry::Mesh(MeshFile::in_memory(index), MeshOptions { face_normals, flip_uvs }))
 }
 
-fn parse_mesh(properties: &mut Properties, format: MeshFormat) -> Result<Geometry> {
+fn parse_mesh(properties: &mut Properties, format: MeshFormat, common: &mut Common) -> Result<Geometry> {
+    common.front_only = properties.boolean("front_only")?.unwrap_or(false);
     let flips_uvs = match format {
         MeshFormat::Serialized(_) => Some(false),
         _ => properties.boolean("flip_tex_coords")?,
