@@ -282,9 +282,10 @@ class _Exporter:
         for group in self._strands(owner):
             slots = self._materials_of(owner)
             key = self._material(slots[min(group.slot, len(slots) - 1)], placed)
-            shown.append((self._strand_file(owner, group, key, stretch), key, is_unseen))
+            is_open = hair.is_open(group, self.materials[key], owner.type == "CURVES" or not instance.show_self)
+            shown.append(((self._strand_file(owner, group, key, stretch), key, is_unseen), not is_open))
         if shown:
-            self.shapes.add((tuple(shown), "strands"), course, lambda: [xml.add(self._shape(*each), "front_only", True) for each in shown])
+            self.shapes.add((tuple(shown), "strands"), course, lambda: [xml.add(self._shape(*each), "front_only", is_front) for each, is_front in shown])
 
     def _strands(self, owner: Any) -> list[Strands]:
         """Strands of an object. Instances of one object share them."""

@@ -38,6 +38,13 @@ def shows_hair(instance: Any, layer: Any) -> bool:
     return instance.show_particles and any(strands.is_path(system.settings) for system in getattr(owner, "particle_systems", []))
 
 
+def is_open(group: Strands, material: Material, has_open_roots: bool) -> bool:
+    """Whether strands are so thick that one sees their inside through their ends. That of transparent ones light does not meet."""
+    if group.is_linear or material.is_glass or material.is_fiber or not group.is_thick():
+        return False
+    return has_open_roots or bool((group.points[np.cumsum(group.counts) - 1, 3] > 0.0).any())
+
+
 def is_dynamic(owner: Any) -> bool:
     """Whether hair of an object's particle systems is simulated."""
     return any(strands.is_path(system.settings) and system.use_hair_dynamics for system in getattr(owner, "particle_systems", []))

@@ -8,7 +8,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from . import attributes
+from . import attributes, tubes
 from .hashes import lookup3
 from .meshes import Kept
 
@@ -43,6 +43,13 @@ class Strands:
             length = np.add.reduceat(steps, firsts)
             self._intercepts = (up_to - np.repeat(up_to[firsts], self.counts)) / np.repeat(np.maximum(length, 1e-300), self.counts)
         return self._intercepts
+
+    def is_thick(self) -> bool:
+        """Whether a strand's radius is more than a small share of its length."""
+        firsts = np.cumsum(self.counts) - self.counts
+        steps = np.linalg.norm(np.diff(self.points[:, :3], axis=0, prepend=self.points[:1, :3]), axis=1)
+        steps[firsts] = 0.0
+        return bool((np.maximum.reduceat(self.points[:, 3], firsts) >= tubes.THIN * np.add.reduceat(steps, firsts)).any())
 
     def randoms(self) -> np.ndarray:
         """Number by chance of each strand, from 0 to 1: Cycles' hash of its number."""

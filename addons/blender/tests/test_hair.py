@@ -73,6 +73,15 @@ def test_instances_of_strands_share_a_file(tmp_path: Path) -> None:
     assert len(found.files) == 4 and found.scene_file.read_text().count('name="front_only"') == 2
 
 
+def test_thick_open_strands_are_seen_from_inside(tmp_path: Path) -> None:
+    """As in Cycles on processors. Light meets thin strands, and those that are closed at their tips and have roots in a surface, from outside."""
+    for thickness, tip, has_inside in ((0.08, 0.5, True), (0.08, 0.0, False), (0.01, 0.5, False)):
+        scene = hair_scenes.lit()
+        ground = scenes.plane(scene, "ground", 3.0, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+        hair_scenes.furry(ground, 5, 0.5, radius_scale=thickness, tip_radius=tip, use_close_tip=tip == 0.0)
+        assert ('name="front_only" value="false"' in exported(tmp_path).scene_file.read_text()) == has_inside
+
+
 def test_strands_without_a_surface_are_left_out(tmp_path: Path) -> None:
     """Strands without length or thickness, of which some may be all."""
     scene = hair_scenes.lit()
