@@ -108,7 +108,7 @@ impl Renderer {
     ) -> Result<Self> {
         let settings = &plan.settings;
         let Shown { scene, shading, bvh, cells, .. } = &shown;
-        let variant = variants::variant(settings, scene, shading, bvh, cells);
+        let variant = variants::variant(settings, scene, shading, bvh);
         let kernels = registry.kernels(back_end);
         let build = || -> Result<_> {
             let learning = Learning::new(context, kernels, &variant, settings)?;

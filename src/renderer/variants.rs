@@ -1,31 +1,30 @@
 //! The specialization constants of a render, from its settings and its scene.
 
 use crate::encode::bvh::Bvh;
-use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::materials;
-use crate::encode::media;
 use crate::encode::surfaces::{Shading, Surfaces};
 use crate::generated::constants;
 use crate::generated::kernels::{self, Variant};
-use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::quadtrees;
 use crate::scene::{Projection, ReconstructionFilter, Scene};
-use crate::settings::{AUTO_GRID, Settings};
+use crate::settings::Settings;
+
+/// A traversal's stack has a multiple of so many entries, so that hierarchies of several depths share kernels.
+const STACK_STEP: u32 = 8;
 
 /// The specialization constants of a render.
 pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
     let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh, settings.learns_lights()) };
-    let cells = cells_of(settings, bvh, &media::boxes(scene), shading.lights.group_count());
-    variant(settings, scene, &shading, bvh, &cells)
+    variant(settings, scene, &shading, bvh)
 }
 
-/// The specialization constants of a render whose shading and cells are known.
-pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh, cells: &Cells) -> Variant {
+/// The specialization constants of a render whose shading is known.
+pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
     let lights = &shading.lights;
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     Variant {
-        stack_size: bvh.depth,
+        stack_size: bvh.depth.next_multiple_of(STACK_STEP),
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
         has_front_only: bvh.has_front_only(),
@@ -49,7 +48,6 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         light_groups: lights.group_count(),
         light_patches: lights.patches_per_side(),
         environment: lights.environment_kind(),
-        shares_at: shares_at(settings, cells.count()),
         ..variant_of_settings(settings)
     }
 }
@@ -71,8 +69,6 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
         ReconstructionFilter::Gaussian { stddev } => (kernels::FILTER_GAUSSIAN, stddev),
     };
-    // Every cell is taken to hold surfaces.
-    let cell_count = if settings.grid() == AUTO_GRID { 1 } else { settings.grid().pow(3) };
     Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,
@@ -93,7 +89,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         map: settings.map as u32,
         mix: settings.mix as u32,
         epsilon: settings.epsilon.unwrap_or(0.0),
-        shares_at: shares_at(settings, cell_count),
+        learns_share: settings.learns_share(),
         roulette: settings.roulette() as u32,
         expected_directions: settings.expected_directions,
         kept_vertices: settings.kept_vertices(),
@@ -111,9 +107,4 @@ pub(super) fn camera_kind(projection: Projection) -> u32 {
         Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
         Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
     }
-}
-
-/// Index of the first share in the table of so many cells; 0 where shares are fixed.
-fn shares_at(settings: &Settings, cell_count: u32) -> u32 {
-    if settings.learns_share() { cell_count * settings.directions.pow(2) } else { 0 }
 }

@@ -72,23 +72,26 @@ impl Descent {
         Self { cell: Cell::new(&device, &variant), device, variant }
     }
 
-    fn run<T: bytemuck::Pod>(&self, source: &lodestar::gpu::KernelSource, n: DVec3, last: u32, count: usize) -> Vec<T> {
+    fn run<T: bytemuck::Pod>(
+        &self,
+        (source, output): (&lodestar::gpu::KernelSource, &str),
+        n: DVec3,
+        last: u32,
+        count: usize,
+    ) -> Vec<T> {
         let push = PushedNormal { normal: n.as_vec3().into(), seed_or_resolution: last };
         let out = self.device.storage("out", count * size_of::<T>());
-        let cell = &self.cell;
-        let buffers =
-            [&out, &cell.radiance, &cell.bin_ends, &cell.nodes, &cell.entries, &cell.integrals, &cell.cosine_nodes];
-        let kernel = self.device.kernel(source, &self.variant);
-        self.device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / GROUP);
+        let (kernel, named) = (self.device.kernel(source, &self.variant), self.cell.named((output, &out)));
+        self.device.dispatch_named(&kernel, &named, bytemuck::bytes_of(&push), count as u32 / GROUP);
         out.read(0, count).expect("read")
     }
 
     fn draw(&self, n: DVec3, seed: u32) -> Vec<Drawn> {
-        self.run(&test::GUIDED_DIRECTION, n, seed, SAMPLES)
+        self.run((&test::GUIDED_DIRECTION, "DrawnSamples"), n, seed, SAMPLES)
     }
 
     fn densities(&self, n: DVec3) -> Vec<Density> {
-        self.run(&test::GUIDED_DENSITY, n, FINE, (FINE * FINE) as usize)
+        self.run((&test::GUIDED_DENSITY, "Densities"), n, FINE, (FINE * FINE) as usize)
     }
 }
 
@@ -157,7 +160,7 @@ fn samples_follow_their_density_at_every_resolution() {
 fn samples_follow_the_share_that_their_cell_has_learned() {
     let (map, directions) = (DirectionMap::EqualArea, 16);
     let mut descent = Descent::new(map, directions);
-    descent.variant.shares_at = directions * directions;
+    descent.variant.learns_share = true;
     let shares = [0.1_f32, 0.5, 0.85];
     let level = sidak(SIGNIFICANCE, shares.len() * normals().len());
     let (_, table) = tables(map, directions).swap_remove(1);

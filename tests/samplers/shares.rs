@@ -69,7 +69,9 @@ impl Grid {
         let device = Device::new();
         let (bins, shares) = ((CELLS * BINS) as usize, SHARES);
         let scene = device.buffer("scene", size_of::<SceneConstants>(), BufferKind::Uniform);
-        scene.upload(0, &[SceneConstants { target_limit: LIMIT, ..SceneConstants::zeroed() }]).expect("uploaded");
+        scene
+            .upload(0, &[SceneConstants { target_limit: LIMIT, cell_count: CELLS, ..SceneConstants::zeroed() }])
+            .expect("uploaded");
         Self {
             radiance: device.storage("radiance", (bins + 4 * shares) * size_of::<f32>()),
             learned: device.storage("learned", bins * size_of::<LearnedRadiance>()),
@@ -95,7 +97,7 @@ impl Grid {
             ("LearnedTable", &self.learned),
             ("RadianceSums", &self.sums),
         ];
-        let variant = Variant { shares_at: CELLS * BINS, direction_resolution: DIRECTIONS, ..Variant::default() };
+        let variant = Variant { learns_share: true, direction_resolution: DIRECTIONS, ..Variant::default() };
         let push = UpdatePush { first_cell: 0 };
         let kernel = &STORAGE_BUFFERS.update_radiance;
         self.device.dispatch_renderers(kernel, &variant, &named, bytemuck::bytes_of(&push), CELLS);
@@ -170,7 +172,7 @@ impl Surfaces {
 
     fn variant() -> Variant {
         Variant {
-            shares_at: BINS,
+            learns_share: true,
             normal_resolution: NORMALS,
             guide_set: GUIDE_SET_ALL,
             material_kinds: 1 << BSDF_ROUGH_CONDUCTOR | 1 << BSDF_DIFFUSE,

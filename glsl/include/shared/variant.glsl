@@ -36,8 +36,8 @@ layout(constant_id = 7) const uint DIRECTION_RESOLUTION = 16u;
 layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
 // Maximum number of proposals of a guided sample; if none is accepted, the uniform share draws the direction.
 layout(constant_id = 9) const uint MAX_TRIES = 15u;
-// Index in the radiance table of the first learned BSDF share, for the samplers that descend; 0: the shares are fixed.
-layout(constant_id = 56) const uint SHARES_AT = 0u;
+// Whether cells learn their BSDF shares, for the samplers that descend. Otherwise the shares are fixed.
+layout(constant_id = 56) const bool LEARNS_SHARE = false;
 // Quantity that Russian roulette uses: ROULETTE_*.
 layout(constant_id = 58) const uint ROULETTE = ROULETTE_THROUGHPUT;
 // Minimum share of uniformly drawn directions.
@@ -55,7 +55,7 @@ layout(constant_id = 12) const uint FILTER = FILTER_BOX;
 // Radius of the tent filter, or standard deviation of the Gaussian filter, in pixels.
 layout(constant_id = 13) const float FILTER_WIDTH = 1.0;
 
-// Entries of the traversal stack: the depth of the BVH.
+// Entries of the traversal stack: at least the depth of the BVH.
 layout(constant_id = 14) const uint STACK_SIZE = 16u;
 // Whether the scene contains spheres.
 layout(constant_id = 15) const bool HAS_SPHERES = false;

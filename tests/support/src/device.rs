@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 use lodestar::encode::cosine_integrals::cosine_integrals;
 use lodestar::encode::cosine_trees::{Node, cosine_trees, nodes_per_tree};
 use lodestar::generated::kernels::{MAP_CYLINDRICAL, SAMPLER_PRODUCT, Variant, test};
-use lodestar::generated::layout::NormalizationEntry;
+use lodestar::generated::layout::{NormalizationEntry, SceneConstants};
 use lodestar::gpu::{
     BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape, Submission,
 };
@@ -84,7 +84,23 @@ impl Device {
         self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done")
     }
 
-    /// Builds a kernel of the renderer and dispatches it. `buffers` holds the buffers that the kernel reaches, by name.
+    /// Dispatches a kernel. `named` holds buffers by the names of their bindings; bindings without one get a buffer that nothing reads.
+    pub fn dispatch_named(&self, kernel: &Kernel, named: &[(&str, &Arc<Buffer>)], push: &[u8], groups: u32) {
+        let set = |shape: &'static SetShape| {
+            let buffers = shape.bindings.iter().map(|binding| {
+                let own = named.iter().find(|(name, _)| *name == binding.name);
+                own.map_or_else(|| self.buffer("unused", 1024, kind(binding.kind)), |(_, buffer)| Arc::clone(buffer))
+            });
+            let buffers: Vec<_> = buffers.collect();
+            DescriptorSet::new(&self.context, "test", shape, &buffers.iter().collect::<Vec<_>>()).expect("a set")
+        };
+        let sets: Vec<_> = kernel.source().sets.iter().map(set).collect();
+        let sets: Vec<_> = sets.iter().collect();
+        let name = kernel.name();
+        self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done");
+    }
+
+    /// Builds a kernel of the renderer and dispatches it like [`Device::dispatch_named`].
     pub fn dispatch_renderers(
         &self,
         source: &KernelSource,
@@ -93,19 +109,7 @@ impl Device {
         push: &[u8],
         groups: u32,
     ) {
-        let set = |shape: &'static SetShape| {
-            let buffers = shape.bindings.iter().map(|binding| {
-                let own = named.iter().find(|(name, _)| *name == binding.name);
-                own.map_or_else(|| self.buffer("unused", 256, kind(binding.kind)), |(_, buffer)| Arc::clone(buffer))
-            });
-            let buffers: Vec<_> = buffers.collect();
-            DescriptorSet::new(&self.context, "test", shape, &buffers.iter().collect::<Vec<_>>()).expect("a set")
-        };
-        let sets: Vec<_> = source.sets.iter().map(set).collect();
-        let (sets, kernel): (Vec<_>, _) = (sets.iter().collect(), self.kernel(source, variant));
-        self.context
-            .submit(source.name, |recorder| recorder.dispatch(&kernel, &sets, push, [groups, 1, 1]))
-            .expect("done");
+        self.dispatch_named(&self.kernel(source, variant), named, push, groups);
     }
 
     /// Outputs of a kernel for all inputs. The kernel has one input buffer and one output buffer.
@@ -168,6 +172,7 @@ pub struct Cell {
     pub entries: Arc<Buffer>,
     pub integrals: Arc<Buffer>,
     pub cosine_nodes: Arc<Buffer>,
+    scene: Arc<Buffer>,
     normalize: Kernel,
     normals: u32,
     bins: u32,
@@ -190,7 +195,10 @@ impl Cell {
         let integrals = cosine_integrals(map, directions, normals);
         let is_product = variant.sampler == SAMPLER_PRODUCT;
         let trees = if is_product { cosine_trees(&integrals, directions, normals) } else { vec![Node::default()] };
+        let scene = device.buffer("scene", size_of::<SceneConstants>(), BufferKind::Uniform);
+        scene.upload(0, &[SceneConstants { cell_count: 1, ..SceneConstants::zeroed() }]).expect("uploaded");
         Self {
+            scene,
             // The shares lie behind the bins.
             radiance: device
                 .storage("radiance", (directions * directions + 2 * SHARE_WORDS) as usize * size_of::<f32>()),
@@ -206,10 +214,25 @@ impl Cell {
     }
 
     /// Sets the cell's learned shares: of diffuse lobes, and of scattering functions that are guided as a whole.
-    /// Variants find them if `shares_at` is the number of bins.
+    /// Variants read them if `learns_share` is true.
     pub fn set_shares(&self, [of_lobes, of_wholes]: [f32; 2]) {
         let words = [of_lobes, 0.0, 0.0, 0.0, of_wholes, 0.0, 0.0, 0.0];
         self.radiance.upload(u64::from(self.bins) * size_of::<f32>() as u64, &words).expect("uploaded");
+    }
+
+    /// Buffers of the cell by the names of their bindings, and `out` by the name of its own.
+    pub fn named<'a>(&'a self, out: (&'a str, &'a Arc<Buffer>)) -> [(&'a str, &'a Arc<Buffer>); 9] {
+        [
+            out,
+            ("Scene", &self.scene),
+            ("RadianceTable", &self.radiance),
+            ("BinEnds", &self.bin_ends),
+            ("RadianceNodes", &self.nodes),
+            ("NormalizationTable", &self.entries),
+            ("CosineIntegrals", &self.integrals),
+            ("CosineNodes", &self.cosine_nodes),
+            ("cosine_nodes", &self.cosine_nodes),
+        ]
     }
 
     /// Sets the cell's radiance and has the device fill all normalizers.

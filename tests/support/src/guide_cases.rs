@@ -317,22 +317,20 @@ impl Guided {
     }
 
     pub fn draw(&self, setting: &Setting, seed: u32, count: usize) -> Vec<Drawn> {
-        self.run(&self.draw, &self.drawn, setting, seed, count);
+        self.run(&self.draw, ("DrawnSamples", &self.drawn), setting, seed, count);
         self.drawn.read(0, count).expect("read")
     }
 
     /// Density at a point in every bin of a fine map.
     pub fn densities(&self, setting: &Setting) -> Vec<Density> {
         let count = (FINE * FINE) as usize;
-        self.run(&self.density, &self.densities, setting, FINE, count);
+        self.run(&self.density, ("Densities", &self.densities), setting, FINE, count);
         self.densities.read(0, count).expect("read")
     }
 
-    fn run(&self, kernel: &Kernel, out: &Arc<Buffer>, setting: &Setting, last: u32, count: usize) {
+    fn run(&self, kernel: &Kernel, out: (&str, &Arc<Buffer>), setting: &Setting, last: u32, count: usize) {
         let push = PushedNormal { normal: setting.n.as_vec3().into(), seed_or_resolution: last };
-        let cell = &self.cell;
-        let buffers =
-            [out, &cell.radiance, &cell.bin_ends, &cell.nodes, &cell.entries, &cell.integrals, &cell.cosine_nodes];
-        self.device.dispatch(kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / self.group);
+        let groups = count as u32 / self.group;
+        self.device.dispatch_named(kernel, &self.cell.named(out), bytemuck::bytes_of(&push), groups);
     }
 }

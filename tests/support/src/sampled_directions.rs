@@ -2,8 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use lodestar::gpu::{Buffer, Kernel};
-use std::sync::Arc;
+use lodestar::gpu::Kernel;
 
 use crate::device::{Cell, Device};
 use crate::scattering_cases::DeviceBsdf;
@@ -63,24 +62,10 @@ pub fn draw(
     let input = device.uploaded("surface", &[input]);
     let output = device.storage("directions", count * size_of::<DirectionOutput>());
     let words: Vec<u32> = table_words().into_iter().chain([0]).collect();
-    let (words, unused) = (device.uploaded("tables", &words), device.storage("unused", 1024));
-    let bindings = kernel.source().sets.iter().flat_map(|set| set.bindings);
-    let buffers = bindings.map(|binding| -> &Arc<Buffer> {
-        match binding.name {
-            "SurfaceInputs" => &input,
-            "DirectionOutputs" => &output,
-            "TexelWords" => &words,
-            "RadianceTable" => &cell.radiance,
-            "BinEnds" => &cell.bin_ends,
-            "RadianceNodes" => &cell.nodes,
-            "NormalizationTable" => &cell.entries,
-            "CosineIntegrals" => &cell.integrals,
-            "CosineNodes" | "cosine_nodes" => &cell.cosine_nodes,
-            _ => &unused,
-        }
-    });
-    let buffers: Vec<_> = buffers.collect();
+    let words = device.uploaded("tables", &words);
+    let mut named = cell.named(("DirectionOutputs", &output)).to_vec();
+    named.extend([("SurfaceInputs", &input), ("TexelWords", &words)]);
     let push = TestPush { seed, count: count as u32 };
-    device.dispatch(kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / group);
+    device.dispatch_named(kernel, &named, bytemuck::bytes_of(&push), count as u32 / group);
     output.read(0, count).expect("read")
 }

@@ -30,9 +30,9 @@ struct ShareEvidence {
 
 const ShareEvidence NO_EVIDENCE = ShareEvidence(NONE, 0.0, 0.0);
 
-// Index of a share's sum among the sums of a step. The sums of shares follow those of all bins.
+// Index of a share's sum among the sums of a step.
 uint share_sum(uint share, uint which) {
-    return SHARES_AT + SHARE_SUMS * share + which;
+    return all_bin_count() + SHARE_SUMS * share + which;
 }
 
 // Adds the evidence of a sample whose segment has the target `target`. `u` in [0, 1) selects the recorded samples and
