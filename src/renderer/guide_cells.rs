@@ -11,8 +11,8 @@ use crate::settings::{AUTO_GRID, Sampler, Settings};
 /// Bytes of a guide for each pixel of the film, where the number of cells is chosen for the picture. A picture of more pixels
 /// traces more paths, which can teach more cells, and a step of it takes longer, so that updates of more cells cost as little.
 const BYTES_PER_PIXEL: u64 = 128;
-/// Least and most bytes of such a guide. Between them are powers of two only. Kernels are compiled for a number of cells, so pictures of
-/// many sizes share them.
+/// Least and most bytes of such a guide. Between them are powers of two only, so that pictures of many sizes have the same cells, and what
+/// one of them has learned suits the others.
 const LEAST_BYTES: u64 = 8 << 20;
 const MOST_BYTES: u64 = 64 << 20;
 

@@ -107,7 +107,7 @@ impl Renderer {
         registry: &Registry,
     ) -> Result<Self> {
         let settings = &plan.settings;
-        let Shown { scene, shading, bvh, cells, .. } = &shown;
+        let Shown { scene, shading, bvh, .. } = &shown;
         let variant = variants::variant(settings, scene, shading, bvh);
         let kernels = registry.kernels(back_end);
         let build = || -> Result<_> {
