@@ -21,7 +21,7 @@ pub(crate) struct GuideState {
     pub(super) parts: Vec<StatePart>,
     /// Samples that it was learned from.
     pub(super) samples: SampleRanges,
-    /// Whether it has only what was learned. An update without targets then makes the tables that samplers read.
+    /// Whether it has only what was learned. The tables that samplers read are then computed.
     pub(super) is_bare: bool,
 }
 

@@ -198,9 +198,10 @@ impl Renderer {
         }
         let centers = self.cells.boxes().into_iter().map(|[low, high]| 0.5 * (low + high));
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
+        let has_same_parts = guide.cells.are_those_of(&self.cells) && self.has_lights_of(guide);
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
             let length = part.len_bytes() as usize;
-            let mut bytes = match guide.cells.are_those_of(&self.cells) && self.has_lights_of(guide) {
+            let mut bytes = match has_same_parts {
                 true => saved.bytes.clone(),
                 false => self.copied_part(part, &saved.bytes, guide, &sources)?,
             };
@@ -209,12 +210,12 @@ impl Renderer {
                 return Err(Error::Render(format!("the guide's {name} have {theirs} bytes, but only {length} fit")));
             }
             // Buffers are longer than their content by some bytes that are never read. A copy for other cells lacks the parent
-            // cells; the next update computes them from their children.
+            // cells, which are computed from their children below.
             bytes.resize(length, 0);
             part.write(&bytes)?;
         }
-        if guide.is_bare {
-            self.learn()?;
+        if guide.is_bare || !has_same_parts {
+            self.tabulate()?;
         }
         self.guide_samples = guide.samples.clone();
         Ok(())

@@ -76,10 +76,18 @@ impl Renderer {
     pub(crate) fn learn(&self) -> Result<()> {
         match &self.learning {
             Learning::Nothing => Ok(()),
-            Learning::Grids(updates) => updates.run(&self.context, &self.slicer, &self.sets, &self.cells),
+            Learning::Grids(updates) => updates.run(&self.context, &self.slicer, &self.sets, &self.cells, true),
             Learning::Quadtrees(refinement) => {
                 refinement.end_batch(&self.context, &self.sets, &self.settings, self.samples_done)
             }
+        }
+    }
+
+    /// Computes the tables that samplers read from what a guide of the grids has learned.
+    pub(super) fn tabulate(&self) -> Result<()> {
+        match &self.learning {
+            Learning::Grids(updates) => updates.run(&self.context, &self.slicer, &self.sets, &self.cells, false),
+            Learning::Nothing | Learning::Quadtrees(_) => Ok(()),
         }
     }
 

@@ -226,7 +226,7 @@ impl Session {
     ///
     /// The guide stays, too: each cell takes what the nearest cell has learned, as [`Session::begin_with_guide`] does, and the seed becomes
     /// the next one of which the guide has learned from no sample. So the picture stays unbiased, and has the bits of a new session of that
-    /// seed and size which begins with this guide ([`Session::learned_guide`]). A guide from a file may give other bits.
+    /// seed and size which begins with this guide, from memory ([`Session::learned_guide`]) or from a file ([`Session::write_guide`]).
     ///
     /// # Errors
     /// Where [`Session::new`] fails, the device cannot hold both scenes for a moment, or the render keeps a checkpoint or is shared by

@@ -70,10 +70,12 @@ const CHANGES: [(&str, Change); 12] = [
     ("the integrator", |s| s.integrator.max_depth = Some(4)),
 ];
 
-/// After each kind of change, a session has the bits of a new one that begins with its guide. Changes follow each other in one session.
+/// After each kind of change, a session has the bits of a new one that begins with its guide, from memory or from a file. Changes follow each
+/// other in one session.
 #[test]
 fn a_changed_scene_has_the_bits_of_a_new_session_with_the_guide() {
     let device = Device::validated();
+    let folder = tempfile::tempdir().expect("a folder");
     for sampler in [Sampler::Product, Sampler::Bsdf] {
         let options = options(&device, sampler);
         let mut session = Session::new(&scene(), &options).expect("a session");
@@ -81,6 +83,10 @@ fn a_changed_scene_has_the_bits_of_a_new_session_with_the_guide() {
         for (at, (name, change)) in (1..).zip(CHANGES) {
             let learns = sampler == Sampler::Product;
             let guide = learns.then(|| session.learned_guide().expect("a guide"));
+            let file = folder.path().join(format!("{at}.guide"));
+            if learns {
+                session.write_guide(&file).expect("a file");
+            }
             let mut changed = scene();
             change(&mut changed);
             session.set_scene(&changed).expect(name);
@@ -96,6 +102,9 @@ fn a_changed_scene_has_the_bits_of_a_new_session_with_the_guide() {
             if learns {
                 let radiance = |session: &Session| session.learned_radiance().expect("radiance");
                 assert!(radiance(&session) == radiance(&fresh), "{name}");
+                let of_file = options.clone().seed(seed).guide(&file);
+                let mut of_file = Session::new(&changed, &of_file).expect("a guide of a file");
+                assert!(next(&mut of_file) == expected, "from a file: {name}");
             }
         }
     }

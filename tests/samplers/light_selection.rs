@@ -229,7 +229,7 @@ impl Grid {
             ("RadianceSums", &self.sums),
             ("RadianceNodes", &self.nodes),
         ];
-        let push = UpdatePush { first_cell: 0 };
+        let push = UpdatePush { first_cell: 0, ends_step: 1 };
         let kernel = &STORAGE_BUFFERS.update_lights;
         self.device.dispatch_renderers(kernel, &self.variant, &named, bytemuck::bytes_of(&push), CELLS);
         let nodes_per_cell = if self.variant.light_groups == 16 { 1 } else { 17 };

@@ -75,7 +75,7 @@ impl Blend {
     }
 
     fn pool(&self, cells: Range<u32>) {
-        let push = UpdatePush { first_cell: cells.start };
+        let push = UpdatePush { first_cell: cells.start, ends_step: 1 };
         self.dispatch(&STORAGE_BUFFERS.pool_radiance, bytemuck::bytes_of(&push), cells.end - cells.start);
     }
 

@@ -98,7 +98,7 @@ impl Grid {
             ("RadianceSums", &self.sums),
         ];
         let variant = Variant { learns_share: true, direction_resolution: DIRECTIONS, ..Variant::default() };
-        let push = UpdatePush { first_cell: 0 };
+        let push = UpdatePush { first_cell: 0, ends_step: 1 };
         let kernel = &STORAGE_BUFFERS.update_radiance;
         self.device.dispatch_renderers(kernel, &variant, &named, bytemuck::bytes_of(&push), CELLS);
         let offset = u64::from(CELLS * BINS) * size_of::<f32>() as u64;

@@ -22,7 +22,7 @@ LearnedRadiance learn(uint cell, uint group) {
     LearnedRadiance before = learned_radiance(learned_light(cell, group));
     float sum, count;
     take_targets(light_sum(cell, group), scene().target_limit, sum, count);
-    return updated_mean(before, sum, count);
+    return updated_mean(before, push.ends_step != 0u ? DECAY : 1.0, sum, count);
 }
 
 // Weights of a node's sixteen parts. The first node of a tree of two levels has the sums of the nodes below it.

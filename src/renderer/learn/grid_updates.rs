@@ -42,9 +42,16 @@ impl GridUpdates {
     }
 
     /// Moves the radiance grid towards the step's targets (Eq. 7), blends cells with their parents, and computes the marked
-    /// normalizers anew.
-    pub fn run(&self, context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: &Cells) -> Result<()> {
-        let update = |cells, kernel: &Kernel| update(context, slicer, sets, cells, kernel);
+    /// normalizers anew. Earlier targets count less from now on if this ends a step.
+    pub fn run(
+        &self,
+        context: &Arc<Context>,
+        slicer: &Slicer,
+        sets: &Sets,
+        cells: &Cells,
+        ends_step: bool,
+    ) -> Result<()> {
+        let update = |cells, kernel: &Kernel| update(context, slicer, sets, cells, kernel, ends_step);
         let all = 0..cells.count();
         if let Some(lights) = &self.lights {
             update(all.clone(), lights)?;
@@ -64,9 +71,16 @@ impl GridUpdates {
 }
 
 /// Runs a kernel with a workgroup per cell.
-fn update(context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: Range<u32>, kernel: &Kernel) -> Result<()> {
+fn update(
+    context: &Arc<Context>,
+    slicer: &Slicer,
+    sets: &Sets,
+    cells: Range<u32>,
+    kernel: &Kernel,
+    ends_step: bool,
+) -> Result<()> {
     let submit = |range: Range<u32>| {
-        let push = UpdatePush { first_cell: range.start };
+        let push = UpdatePush { first_cell: range.start, ends_step: ends_step.into() };
         submit(context, sets, kernel, bytemuck::bytes_of(&push), range.end - range.start)
     };
     slicer.ranges(cells).try_for_each(submit)

@@ -72,7 +72,7 @@ impl Grid {
             let mut bindings = self.kernel.sets.iter().flat_map(|set| set.bindings);
             assert!(bindings.any(|binding| binding.name == name), "no binding {name}: {:?}", self.kernel.sets);
         }
-        let push = UpdatePush { first_cell: first };
+        let push = UpdatePush { first_cell: first, ends_step: 1 };
         self.device.dispatch_renderers(&self.kernel, &self.variant, &named, bytemuck::bytes_of(&push), cells);
     }
 

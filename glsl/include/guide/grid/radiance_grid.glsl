@@ -131,10 +131,10 @@ void take_targets(uint index, float target_limit, out float sum, out float targe
     forget_targets(index);
 }
 
-// Updated estimate of a bin or of a group of lights (Eq. 7). The learning rate is alpha = count / (count + decayed earlier count). With DECAY = 1 the
+// Updated estimate of a bin or of a group of lights (Eq. 7). The learning rate is alpha = count / (count + decayed earlier count). With decay = 1 the
 // estimate is the running mean over all targets.
-LearnedRadiance updated_mean(LearnedRadiance before, float sum, float target_count) {
-    float weight = before.weight * DECAY + target_count;
+LearnedRadiance updated_mean(LearnedRadiance before, float decay, float sum, float target_count) {
+    float weight = before.weight * decay + target_count;
     if (target_count == 0.0) return LearnedRadiance(before.mean, weight);
     float alpha = target_count / weight;
     return LearnedRadiance(mix(before.mean, sum / target_count, alpha), weight);

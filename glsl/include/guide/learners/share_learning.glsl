@@ -17,7 +17,7 @@ const float FIRST_SAMPLES = 64.0;
 const float LEAST_SHARE = 0.1;
 // Fraction of the samples that is recorded. If all were, too many lanes would add to the same few words.
 const float ASKED = 0.25;
-// Factor of earlier samples in each update. Their evidence depends on earlier shares.
+// Factor of earlier samples at the end of each step. Their evidence depends on earlier shares.
 const float SHARE_DECAY = 0.5;
 
 // Evidence of a sample about the share that was in force when the sample was drawn.
@@ -47,18 +47,18 @@ void add_evidence(ShareEvidence evidence, float target, float u) {
     add_target(share_sum(evidence.share, 1u), fixed_point(scattered * evidence.of_guide, scene().target_limit, u));
 }
 
-// Adds the sum of a step to the decayed sum of earlier steps, stores the result and returns it.
-float renewed_word(uint share, uint word, float recorded) {
-    float renewed = recorded + SHARE_DECAY * radiance(share_word(share, word));
+// Adds the sum of a step to the sum of earlier steps times `decay`, stores the result and returns it.
+float renewed_word(uint share, uint word, float decay, float recorded) {
+    float renewed = recorded + decay * radiance(share_word(share, word));
     store_radiance(share_word(share, word), renewed);
     return renewed;
 }
 
-// Updates a share at the end of a step.
-void learn_share(uint share) {
-    float sample_count = renewed_word(share, 3u, number_of_targets(share_sum(share, 0u)));
-    float scattered = renewed_word(share, 1u, sum_of_targets(share_sum(share, 0u), scene().target_limit));
-    float of_guide = renewed_word(share, 2u, sum_of_targets(share_sum(share, 1u), scene().target_limit));
+// Updates a share. `decay` is the factor of earlier samples.
+void learn_share(uint share, float decay) {
+    float sample_count = renewed_word(share, 3u, decay, number_of_targets(share_sum(share, 0u)));
+    float scattered = renewed_word(share, 1u, decay, sum_of_targets(share_sum(share, 0u), scene().target_limit));
+    float of_guide = renewed_word(share, 2u, decay, sum_of_targets(share_sum(share, 1u), scene().target_limit));
     forget_targets(share_sum(share, 0u));
     forget_targets(share_sum(share, 1u));
     float learned = scattered > 0.0 ? 1.0 - of_guide / scattered : FIRST_SHARE;
