@@ -335,6 +335,21 @@ kinds! {
             /// Factor of the highlight.
             specular_reflectance: Textured<Vec3> => WARD_SPECULAR_REFLECTANCE,
         };
+        /// Fiber of hair or fur (Chiang et al. 2016).
+        Hair = "hair", BSDF_HAIR {
+            /// Absorption per radius of the fiber, each channel >= 0.
+            sigma_a: Textured<Vec3> => HAIR_SIGMA_A,
+            /// Roughness along the fiber, in [0, 1].
+            longitudinal_roughness: Textured<f32> => HAIR_LONGITUDINAL_ROUGHNESS,
+            /// Roughness around the fiber, in [0, 1].
+            azimuthal_roughness: Textured<f32> => HAIR_AZIMUTHAL_ROUGHNESS,
+            /// Relative index of refraction.
+            eta: f32 => HAIR_ETA,
+            /// Sine of the angle by which the scales of the fiber rise.
+            tilt_sine: f32 => HAIR_TILT_SINE,
+            /// Whether the fiber runs along the texture coordinate u, not along v.
+            along_u: bool => MATERIAL_ALONG_U,
+        };
     }
 }
 
@@ -375,6 +390,7 @@ impl Bsdf {
             Self::Ward { alpha_u, alpha_v, .. } => alpha_u != alpha_v,
             Self::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
             Self::PrincipledThin(thin) => thin.anisotropic != Textured::constant(0.0),
+            Self::Hair { .. } => true,
             _ => false,
         }
     }

@@ -65,6 +65,8 @@ const FAULTS: &[Fault] = &[
     kernels("bright samples with a smaller weight", PICTURES, OWN_CELLS),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("a sheen that gains energy", DIRECTIONS, MIX),
+    kernels("a lobe of hair with another width around the fiber", DIRECTIONS, MIX),
+    kernels("samples of hair with another width around the fiber", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),
     kernels("lost carry", SUMS, MIX),

@@ -20,6 +20,7 @@ mod facing;
 mod grids;
 mod guide_from;
 mod guide_set;
+mod hair;
 mod instances;
 mod learning;
 mod light_selection;

@@ -15,6 +15,7 @@ mod gltf_choices;
 mod gltf_compressed;
 mod gltf_cornell;
 mod gltf_surfaces;
+mod hair;
 mod lobes;
 mod mapped;
 mod materials;

@@ -411,7 +411,7 @@ fn what_mitsuba_refuses_is_refused() {
     refuse(&format!(r#"<bsdf type="roughplastic">{uneven}</bsdf>"#), &["equal"]);
     let both = r#"<float name="eta" value="1.3"/><float name="specular" value="0.3"/>"#;
     refuse(&format!(r#"<bsdf type="principled">{both}</bsdf>"#), &["not both"]);
-    refuse(r#"<bsdf type="hair"/>"#, &["`hair`", "`roughplastic`"]);
+    refuse(r#"<bsdf type="fourier"/>"#, &["`fourier`", "`roughplastic`"]);
     refuse(r#"<bsdf type="diffuse"><string name="reflectance" value="a"/></bsdf>"#, &["`reflectance`", "<string>"]);
     refuse(r#"<bsdf type="plastic"><float name="nonlinear" value="1"/></bsdf>"#, &["`nonlinear`", "<boolean>"]);
     refuse(&format!(r#"<bsdf type="diffuse">{RED}</bsdf>"#), &["<bsdf>"]);
@@ -444,6 +444,7 @@ fn every_unknown_parameter_is_named_once() {
         ("principledthin", ""),
         ("phong", ""),
         ("ward", ""),
+        ("hair", ""),
         ("mask", RED),
         ("twosided", RED),
         ("coating", RED),

@@ -49,6 +49,7 @@ bool is_weighted_plastic(Bsdf b) {
 vec3 bsdf_albedo(Bsdf b) {
     vec3 albedo = b.color0;
     if (is_weighted_plastic(b)) albedo = weighted_base(plastic_of(b));
+    if (is_kind(b, BSDF_HAIR)) albedo = albedo_of_hair(hair_of(b));
     return has_feature(FEATURE_SHEEN) ? b.sheen_lobe.kept * albedo + b.sheen_lobe.albedo : albedo;
 }
 

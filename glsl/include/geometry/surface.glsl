@@ -107,6 +107,22 @@ mat3 shading_frame(Surface s) {
     return frame;
 }
 
+// Matrix from the local frame of a fiber to world space, with FEATURE_TANGENTS. The local y-axis runs along the fiber, to where one texture
+// coordinate grows. It is perpendicular to the direction in which the other grows, around the fiber.
+mat3 fiber_frame(Surface s, bool along_u) {
+    vec3 n = s.shading_normal;
+    vec3 around = along_u ? s.dp_dv : s.dp_du;
+    vec3 across = around - n * dot(n, around);
+    float squared = dot(across, across);
+    mat3 frame = basis_from_normal(n);
+    if (squared > 1.0e-12 * dot(around, around)) {
+        frame[0] = across * inversesqrt(squared);
+        frame[1] = cross(n, frame[0]);
+    }
+    bool is_turned = dot(frame[1], along_u ? s.dp_du : s.dp_dv) < 0.0;
+    return is_turned ? mat3(-frame[0], -frame[1], n) : frame;
+}
+
 // Bound of the distance between a point of a flat shape's plane, as it is rounded, and the plane as the next ray will
 // meet it. `n` is the unit normal, `inverse_area` one over the length of the edges' cross product. The terms are the roundings of the
 // point and of the ray's origin, those of the plane's equation at both, and those of the normal's components, which

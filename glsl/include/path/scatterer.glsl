@@ -89,6 +89,9 @@ Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
     scatterer.bsdf = textured_bsdf(material, surface, wo);
     scatterer.passes = has_feature(FEATURE_OPACITY) && u >= mixture_of(scatterer.bsdf).opacity;
     scatterer.frame = shading_frame(surface);
+    if (is_kind(scatterer.bsdf, BSDF_HAIR)) {
+        scatterer.frame = fiber_frame(surface, bsdf_flag(scatterer.bsdf, MATERIAL_ALONG_U));
+    }
     scatterer.upright = vec3(0.0, 0.0, 1.0);
     mat3 front = scatterer.frame;
     scatterer.wo = wo * scatterer.frame;

@@ -115,6 +115,8 @@ const uint MATERIAL_UNSCALED = 16777216u;
 const uint MATERIAL_RELIEF_UNSHADOWED = 33554432u;
 // Normals of a bump or normal map are raised until their mirror directions leave the surface.
 const uint MATERIAL_RELIEF_RAISED = 67108864u;
+// A fiber runs along u, not along v.
+const uint MATERIAL_ALONG_U = 134217728u;
 
 // Position of the exterior medium in the word of a material's record that holds both media.
 const uint EXTERIOR_MEDIUM_SHIFT = 16u;

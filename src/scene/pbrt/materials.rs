@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::coats;
+use super::hair;
 use super::maker::Maker;
 use super::metals;
 use super::names::Names;
@@ -34,6 +35,8 @@ pub(super) struct Cover {
     pub is_textured: bool,
     /// Id of the medium below the surface.
     pub interior: Option<String>,
+    /// Whether a part is `hair`.
+    pub is_hair: bool,
 }
 
 /// Materials as objects.
@@ -80,9 +83,10 @@ impl<'l> Materials<'l> {
             let id = self.names.id("default");
             let diffuse = two_sided(object(Kind::Bsdf, "diffuse", [("reflectance", rgb([0.5; 3]))]));
             self.add("the default material".to_owned(), &id, diffuse);
-            self.default = Some(Cover { id, is_textured: false, interior: None });
+            self.default = Some(Cover { id, is_textured: false, interior: None, is_hair: false });
         }
-        self.default.clone().unwrap_or(Cover { id: String::new(), is_textured: false, interior: None })
+        let none = || Cover { id: String::new(), is_textured: false, interior: None, is_hair: false };
+        self.default.clone().unwrap_or_else(none)
     }
 
     fn named(&mut self, name: &str, place: &Place, textures: &mut Textures, depth: usize) -> Result<Cover> {
@@ -118,6 +122,7 @@ impl<'l> Materials<'l> {
         entity.parameters.ignore(&["type"]);
         let mut maker = Maker { entity, textures, is_textured: false };
         let (mut interior, mut medium) = (None, None);
+        let mut is_hair = entity.kind == "hair";
         let bsdf = match entity.kind.as_str() {
             "mix" => {
                 let parts = self.parts(entity, maker.textures, depth)?;
@@ -126,6 +131,7 @@ impl<'l> Materials<'l> {
                     maker.warn("two media below one surface are not supported; the first part's is below both");
                 }
                 interior = below.into_iter().next();
+                is_hair = parts.iter().any(|part| part.is_hair);
                 mixture(&mut maker, &parts)?
             }
             "subsurface" => {
@@ -150,7 +156,7 @@ impl<'l> Materials<'l> {
             self.add(self.names.label(place, &what), &below, medium);
             interior = Some(below);
         }
-        Ok(Cover { id, is_textured, interior })
+        Ok(Cover { id, is_textured, interior, is_hair })
     }
 
     /// The two materials of a `mix`.
@@ -180,7 +186,7 @@ impl<'l> Materials<'l> {
         let mask = object(Kind::Bsdf, "mask", [("opacity", opacity), ("surface", Value::Reference(cover.id.clone()))]);
         self.add(self.names.label(&alpha.place, "alpha"), &id, mask);
         let is_textured = cover.is_textured || !matches!(node, Node::Constant(_));
-        let masked = Cover { id, is_textured, interior: cover.interior };
+        let masked = Cover { id, is_textured, interior: cover.interior, is_hair: cover.is_hair };
         self.masked.insert(key, masked.clone());
         Ok(masked)
     }
@@ -204,9 +210,8 @@ fn bsdf(maker: &mut Maker) -> Result<Object> {
         "coateddiffuse" => coats::diffuse(maker),
         "coatedconductor" => coats::conductor(maker),
         "interface" | "" | "none" => Ok(object(Kind::Bsdf, "null", [])),
-        other @ ("hair" | "measured") => {
-            Err(entity.error(format!("the material `{other}` is not supported; use another one")))
-        }
+        "hair" => hair::read(maker),
+        other @ "measured" => Err(entity.error(format!("the material `{other}` is not supported; use another one"))),
         "fourier" => Err(entity.error("the material `fourier` of pbrt-v3 is not supported; use another one")),
         other => Err(entity.error(format!("the material `{}` is not known; check its spelling", brief(other)))),
     }

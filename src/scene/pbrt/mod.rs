@@ -22,6 +22,7 @@ mod files;
 mod film;
 mod form;
 mod glow;
+mod hair;
 mod image_maps;
 mod images;
 mod lights;

@@ -58,8 +58,14 @@ impl<'l> Shapes<'l> {
         textures: &mut Textures,
     ) -> Result<Vec<(String, Object)>> {
         let Shape { form, tubes, entity, is_reversed, material, light, media } = shape;
-        let form = if tubes.is_empty() { form } else { tubular(tubes, &entity, textures)? };
+        let is_tubular = !tubes.is_empty();
+        let form = if is_tubular { tubular(tubes, &entity, textures)? } else { form };
         let cover = materials.cover(&material, entity.parameters.get("alpha"), textures)?;
+        // Fibers are seen from outside only.
+        let is_reversed = is_reversed && !(cover.is_hair && is_tubular);
+        if cover.is_hair && !is_tubular {
+            check_hair(&entity, textures)?;
+        }
         if let (Some(alpha), Some(_)) = (entity.parameters.get("alpha"), &light)
             && alpha.kind == "float"
             && alpha.number()? == 0.0
@@ -143,6 +149,19 @@ impl<'l> Shapes<'l> {
             false => Ok(()),
         }
     }
+}
+
+/// Refuses hair on a ribbon, and warns where a shape of hair is no tube.
+fn check_hair(entity: &Entity, textures: &mut Textures) -> Result<()> {
+    if entity.kind == "curve" {
+        return Err(
+            entity.error("the material `hair` on a `ribbon` is not supported; make the curve `flat` or `cylinder`")
+        );
+    }
+    let message = "the material `hair` is made for curves: here a ray meets its fiber by the angle to the normal, not by `v`, \
+                   and a mesh from outside only";
+    textures.images.warn(&entity.parameters.place, message);
+    Ok(())
 }
 
 /// Mesh of tubes. In pbrt, `u` runs along a curve, and `v` across it.

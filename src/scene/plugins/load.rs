@@ -291,6 +291,8 @@ impl<'a> Builder<'a> {
             None if is_facing => Some(self.materials.keep_null()),
             None => Some(self.materials.keep_default(emitter.is_some())),
         };
+        // Light that crosses a fiber leaves it where it has entered. So the far side must not meet it.
+        common.front_only |= material.is_some_and(|material| self.materials.has_fibers(material));
         if let Some(kind) = geometry.as_ref().and_then(curves::kind) {
             self.faults.keep(curves::check_emitter(kind, emitter));
         }

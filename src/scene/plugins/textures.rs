@@ -201,7 +201,7 @@ impl<'a> Textures<'a> {
             object.error(format!("texture plugin `scale` needs a nested {}", object.origin.word("texture")))
         })?;
         properties.finish(warnings)?;
-        if !matches!(role, Role::Reflectance | Role::Radiance) && factor != Vec3::splat(factor.x) {
+        if !role.is_color() && factor != Vec3::splat(factor.x) {
             return Err(object.error("the `scale` of a texture that gives a number must be gray"));
         }
         let found = self.read_nested(nested, role, depth + 1, warnings)?;
@@ -225,7 +225,7 @@ impl<'a> Textures<'a> {
             }
             None => return Err(object.error("texture plugin `mesh_attribute` needs its parameter `name`")),
         };
-        if name == VERTEX_COLOR && !matches!(role, Role::Reflectance | Role::Radiance) {
+        if name == VERTEX_COLOR && !role.is_color() {
             return Err(object.error("the attribute `vertex_color` is a color, not a number"));
         }
         let factor = Vec3::splat(properties.float("scale")?.unwrap_or(1.0));
@@ -250,7 +250,7 @@ impl<'a> Textures<'a> {
     /// Index of the image that the parameter `filename` names.
     fn image(&mut self, file: FoundFile, filename: Parameter, raw: bool, role: Role) -> u32 {
         let is_reflectance = role == Role::Reflectance;
-        let is_color = matches!(role, Role::Reflectance | Role::Radiance);
+        let is_color = role.is_color();
         let is_heights = role == Role::Heights;
         let same = |request: &ImageRequest| {
             request.raw == raw && request.is_heights == is_heights && request.file.path == file.path

@@ -1,4 +1,4 @@
-"""Values of Mitsuba's dielectrics, conductors and plastics: `values.json` of directions in general, `single.json` of
+"""Values of Mitsuba's dielectrics, conductors, plastics and hair: `values.json` of directions in general, `single.json` of
 directions that light takes alone. Run with Mitsuba 3.9.1 installed; `wo` goes to the eye, `wi` to the light."""
 
 import json
@@ -57,6 +57,13 @@ def polarized_plastics():
                "diffuse_reflectance": rgb(COLOR), "specular_reflectance": rgb([0.6, 0.8, 1.0])}
 
 
+def hairs():
+    for absorption in ([0.3, 0.3, 0.3], [0.1, 0.5, 1.5], [0.0, 0.0, 0.0]):
+        for along, around, tilt, ior in ((0.3, 0.3, 2.0, 1.55), (0.15, 0.6, -4.0, 1.4), (0.7, 0.2, 0.0, 1.8), (1.0, 1.0, 3.0, 1.55)):
+            yield {"type": "hair", "sigma_a": rgb(absorption), "longitudinal_roughness": along, "azimuthal_roughness": around,
+                   "scale_tilt": tilt, "int_ior": ior, "ext_ior": 1.0}
+
+
 def color(value):
     return [float(value)] * 3 if isinstance(value, float) else [float(value[i]) for i in range(3)]
 
@@ -71,9 +78,10 @@ def parameters(description):
     for name, value in description.items():
         if isinstance(value, dict):
             row[name] = value["value"]
-        elif name in ("alpha", "alpha_u", "alpha_v", "nonlinear"):
+        elif name in ("alpha", "alpha_u", "alpha_v", "nonlinear", "longitudinal_roughness", "azimuthal_roughness", "scale_tilt"):
             row[name] = value
-    row.setdefault("specular_reflectance", WHITE)
+    if row["kind"] != "hair":
+        row.setdefault("specular_reflectance", WHITE)
     if "int_ior" in description:
         row["eta"] = description["int_ior"] / description["ext_ior"]
     if "conductor" in row["kind"]:
@@ -149,6 +157,7 @@ def main():
     values += general(plastics("plastic"), OUTSIDE, 6)
     values += general(rough_plastics(), OUTSIDE, 6)
     values += general(combined(polarized_plastics(), rough()), OUTSIDE, 8)
+    values += general(hairs(), BOTH, 12)
     write("values.json", values)
     lobes = list(single(metals("conductor"), OUTSIDE))
     lobes += single(dielectrics("dielectric"), BOTH)

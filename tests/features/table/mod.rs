@@ -6,6 +6,7 @@ mod curves;
 mod cylinders;
 mod emitters;
 mod extremes;
+mod fibers;
 mod lamps;
 mod media;
 mod passages;
@@ -156,6 +157,7 @@ pub fn all() -> Vec<Case> {
     media::add(&mut table);
     volumes::add(&mut table);
     lamps::add(&mut table);
+    fibers::add(&mut table);
     table.0
 }
 

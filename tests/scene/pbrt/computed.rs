@@ -19,7 +19,7 @@ fn at(uv: [f64; 2], position: [f64; 3]) -> Point {
 }
 
 /// Value of a texture of a scene, whatever it is.
-fn value(scene: &Scene, texture: u32, at: Point) -> [f64; 3] {
+pub fn value(scene: &Scene, texture: u32, at: Point) -> [f64; 3] {
     let texture = &scene.textures[texture as usize];
     let found = match &texture.pattern {
         Pattern::Program(program) => run(program, at, (&scene.textures, &scene.images)),

@@ -176,7 +176,6 @@ fn what_is_refused() {
     wrong("\"rgb sigma_a\" [ 1 1 1 ]", "both `sigma_a` and `sigma_s`, or neither");
     wrong("\"float g\" 1", "must lie between -1 and 1");
     wrong("\"float scale\" -1", "must not be negative");
-    refused("Material \"hair\"", "the material `hair` is not supported");
     refused("Material \"fourier\"", "the material `fourier` of pbrt-v3 is not supported");
     refused("Material \"wrong\"", "the material `wrong` is not known");
     refused("NamedMaterial \"none\"", "the material `none` is not defined");

@@ -4,6 +4,7 @@ mod cameras;
 mod computed;
 mod directives;
 mod fuzzing;
+mod hair;
 mod lights;
 mod materials;
 mod nanovdb;

@@ -1,4 +1,4 @@
-//! Metals, dielectrics, plastics and the lobes of Phong and Ward, in the form of the device and in the form of their twins.
+//! Metals, dielectrics, plastics, hair and the lobes of Phong and Ward, in the form of the device and in the form of their twins.
 
 use std::sync::Mutex;
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use lodestar::encode::sheen;
 use lodestar::generated::kernels::{
-    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC,
+    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_HAIR, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC,
     BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_ENERGY_PRESERVING, MATERIAL_GGX, MATERIAL_NONLINEAR,
     MATERIAL_SMOOTH_BASE, MATERIAL_WEIGHTED_BASE, WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
 };
@@ -19,6 +19,7 @@ use crate::twins::dielectric::{
     Dielectric, dielectric_lobes, eval_bsdf_rough_dielectric, pdf_bsdf_rough_dielectric, thin_dielectric_lobes,
 };
 use crate::twins::direction::pdf_cosine_hemisphere;
+use crate::twins::hair::{Hair, eval_bsdf_hair, pdf_bsdf_hair};
 use crate::twins::phong::{Phong, eval_bsdf_phong, pdf_bsdf_phong};
 use crate::twins::plastic::{Plastic, RoughSurface, eval_bsdf_plastic, pdf_bsdf_plastic, plastic_lobes};
 use crate::twins::polarized_plastic::{PolarizedPlastic, eval_bsdf_polarized_plastic, pdf_bsdf_polarized_plastic};
@@ -38,6 +39,7 @@ pub enum Substance {
     PolarizedPlastic(PolarizedPlastic),
     Phong(Phong),
     Ward(Ward),
+    Hair(Hair),
 }
 
 /// Layers of the rough plastics so far, and the words of their tables and of the sheens'.
@@ -106,7 +108,7 @@ pub fn plastic(
 impl Substance {
     /// Whether light passes to the other side.
     pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::ThinDielectric(_) | Self::RoughDielectric(..))
+        matches!(self, Self::Dielectric(_) | Self::ThinDielectric(_) | Self::RoughDielectric(..) | Self::Hair(_))
     }
 
     /// This substance without absorption.
@@ -151,6 +153,7 @@ impl Substance {
                 specular_reflectance: DVec3::splat(0.5),
                 ..*b
             }),
+            Self::Hair(b) => Self::Hair(Hair { sigma_a: DVec3::ZERO, ..*b }),
         }
     }
 
@@ -191,6 +194,7 @@ impl Substance {
             Self::PolarizedPlastic(b) => eval_bsdf_polarized_plastic(b, wo, wi),
             Self::Phong(b) => eval_bsdf_phong(b, wo, wi),
             Self::Ward(b) => eval_bsdf_ward(b, wo, wi),
+            Self::Hair(b) => eval_bsdf_hair(b, wo, wi),
             _ => DVec3::ZERO,
         }
     }
@@ -200,6 +204,7 @@ impl Substance {
         match self {
             Self::RoughConductor(_, facets) => pdf_reflection(facets, wo, wi),
             Self::RoughDielectric(b, facets) => pdf_bsdf_rough_dielectric(b, facets, wo, wi),
+            Self::Hair(b) => pdf_bsdf_hair(b, wo, wi),
             _ => self.pdf_with(wo, wi, pdf_cosine_hemisphere(wi.z)),
         }
     }
@@ -227,6 +232,7 @@ impl Substance {
             Self::PolarizedPlastic(b) => device_polarized_plastic(b),
             Self::Phong(b) => device_phong(b),
             Self::Ward(b) => device_ward(b),
+            Self::Hair(b) => device_hair(b),
         };
         if let Some(facets) = self.facets() {
             device.kind_and_flags |= if facets.is_ggx { MATERIAL_GGX } else { 0 };
@@ -289,6 +295,13 @@ fn device_ward(b: &Ward) -> DeviceBsdf {
         WardModel::Duer => WARD_DUER,
     };
     device.scalars[5] = b.specular_probability() as f32;
+    device
+}
+
+fn device_hair(b: &Hair) -> DeviceBsdf {
+    let mut device = DeviceBsdf::new(BSDF_HAIR, [b.sigma_a, DVec3::ZERO, DVec3::ZERO]);
+    device.scalars[..3].copy_from_slice(&[b.longitudinal_roughness, b.azimuthal_roughness, b.eta].map(|x| x as f32));
+    device.scalars[4] = b.tilt.sin() as f32;
     device
 }
 
@@ -373,9 +386,20 @@ fn lobes() -> Vec<(String, Substance)> {
     phongs.into_iter().chain(wards).collect()
 }
 
+/// Hair of these roughnesses along and around its fibers.
+pub fn hair(longitudinal_roughness: f64, azimuthal_roughness: f64) -> Substance {
+    let sigma_a = DVec3::new(0.1, 0.4, 0.9);
+    Substance::Hair(Hair { sigma_a, longitudinal_roughness, azimuthal_roughness, eta: 1.55, tilt: 0.05 })
+}
+
+fn hairs() -> Vec<(String, Substance)> {
+    let roughnesses = [[0.15, 0.6], [0.3, 0.3], [0.8, 0.2], [1.0, 1.0]];
+    roughnesses.map(|[along, around]| (format!("hair {along} {around}"), hair(along, around))).to_vec()
+}
+
 /// Substances of every kind, at roughness 0.05 to 1.
 pub fn substances() -> Vec<(String, Substance)> {
     let alphas = [[0.05; 2], [0.2; 2], [0.5; 2], [1.0; 2], [0.05, 0.5], [0.8, 0.3]];
     let rough = alphas.into_iter().flat_map(|alpha| [rough(alpha, false), rough(alpha, true)]).flatten();
-    smooth().into_iter().chain(rough).chain(lobes()).collect()
+    smooth().into_iter().chain(rough).chain(lobes()).chain(hairs()).collect()
 }

@@ -27,6 +27,7 @@ const CONNECTION: &str = "glsl/include/path/connection.glsl";
 const EXPECTED_SARSA: &str = "glsl/include/path/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
 const GUIDING: &str = "glsl/include/path/guiding.glsl";
+const HAIR: &str = "glsl/include/bsdf/hair.glsl";
 const INSTANCE: &str = "glsl/include/geometry/instance.glsl";
 const MOTION: &str = "glsl/include/geometry/motion.glsl";
 const LEARNING: &str = "glsl/include/path/learning.glsl";
@@ -226,6 +227,22 @@ pub const MUTATIONS: &[Mutation] = &[
             file: SHEEN,
             text: "lobe.kept = max(1.0 - max_component(lobe.albedo), 0.0);",
             mutated: "lobe.kept = MUTATED ? 1.0 : max(1.0 - max_component(lobe.albedo), 0.0);",
+        }],
+    ),
+    mutation(
+        "a lobe of hair with another width around the fiber",
+        &[Patch {
+            file: HAIR,
+            text: "f.scale = 0.626657069 * (0.265 * n",
+            mutated: "f.scale = (MUTATED ? 0.7 : 0.626657069) * (0.265 * n",
+        }],
+    ),
+    mutation(
+        "samples of hair with another width around the fiber",
+        &[Patch {
+            file: HAIR,
+            text: "float off = clamp(f.scale * log(odds), -PI, PI)",
+            mutated: "float off = clamp((MUTATED ? 1.15 : 1.0) * f.scale * log(odds), -PI, PI)",
         }],
     ),
     mutation(

@@ -1,5 +1,6 @@
 //! Conversion of BSDFs to [`Material`]s.
 
+mod hair;
 mod ior;
 mod lobes;
 mod mixture;
@@ -147,6 +148,15 @@ impl<'a> Materials<'a> {
         let index = self.push(&name, tree, textures);
         self.kept.insert(ptr::from_ref(object), index);
         Ok(index)
+    }
+
+    /// Whether a material of `Scene::materials`, or a part of it, is `hair`.
+    pub fn has_fibers(&self, material: u32) -> bool {
+        match &self.list[material as usize].kind {
+            MaterialKind::Surface(surface) => matches!(surface.bsdf, Bsdf::Hair { .. }),
+            MaterialKind::Blend { materials: [first, second], .. }
+            | MaterialKind::Sides { front: first, back: second } => self.has_fibers(*first) || self.has_fibers(*second),
+        }
     }
 
     fn push(&mut self, name: &str, tree: Tree, textures: &mut Textures) -> u32 {

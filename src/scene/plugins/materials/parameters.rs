@@ -48,6 +48,15 @@ impl<'r, 'a> Parameters<'r, 'a> {
         self.constant_reflectance(name, default).map(Textured::constant)
     }
 
+    /// Reads an absorption; `None` where it is not given.
+    pub fn absorption(&mut self, name: &str) -> Result<Option<Textured<Vec3>>> {
+        if let Some(texture) = self.properties.texture(name)? {
+            let found = self.textures.read(texture, Role::Absorption, self.warnings)?;
+            return Ok(Some(Textured { value: found.factor, texture: Some(found.texture) }));
+        }
+        Ok(self.properties.color(name)?.map(Textured::constant))
+    }
+
     /// Reads a share of reflected or transmitted light that must be one color.
     pub fn constant_reflectance(&mut self, name: &str, default: f32) -> Result<Vec3> {
         let location = self.properties.location(name);

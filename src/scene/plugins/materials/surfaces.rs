@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
-use super::{ior, lobes, principled};
+use super::{hair, ior, lobes, principled};
 use crate::Result;
 use crate::scene::bsdf::{Bsdf, Distribution};
 use crate::scene::texture::Textured;
@@ -29,6 +29,7 @@ pub(super) const READERS: &[(&str, Reader)] = &[
     ("difftrans", |parameters| principled::diffuse_transmitter(parameters).map(Bsdf::PrincipledThin)),
     ("phong", lobes::phong),
     ("ward", lobes::ward),
+    ("hair", hair::hair),
 ];
 
 /// Mitsuba's default materials of dielectrics and plastics.

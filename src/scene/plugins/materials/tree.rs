@@ -204,6 +204,7 @@ fn is_transmissive(surface: &SurfaceMaterial) -> bool {
         Bsdf::Dielectric { .. }
         | Bsdf::ThinDielectric { .. }
         | Bsdf::RoughDielectric { .. }
+        | Bsdf::Hair { .. }
         | Bsdf::PrincipledThin(_) => true,
         Bsdf::Principled(principled) => principled.spec_trans != Textured::constant(0.0),
         _ => false,

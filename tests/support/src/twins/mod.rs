@@ -14,6 +14,7 @@ pub mod direction_map;
 pub mod equal_area;
 pub mod fresnel;
 pub mod guide;
+pub mod hair;
 pub mod hashed;
 pub mod intersect;
 pub mod light;
