@@ -3,8 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-
-use super::fresnel::fresnel_dielectric;
+use lodestar::math::fresnel::fresnel_dielectric;
 
 /// Least roughness of the kernels.
 const LEAST_ROUGHNESS: f64 = 0.01;
