@@ -106,6 +106,8 @@ fn what_is_refused() {
     refuse(&plugin(r#"<float name="int_ior" value="1.5"/><float name="ext_ior" value="1.5"/>"#), &["differ"]);
     refuse(&format!(r#"<bsdf type="twosided">{}</bsdf>"#, plugin("")), &["`twosided`", "transmit nothing"]);
     refuse(&format!(r#"<bsdf type="coating">{}</bsdf>"#, plugin("")), &["`coating`", "transmits"]);
+    let fog = r#"<medium type="homogeneous" name="interior"><rgb name="sigma_t" value="1"/></medium>"#;
+    refuse(&format!("{}{fog}", plugin("")), &["bounds a medium", "`hair`"]);
     let rough = plugin(r#"<float name="azimuthal_roughness" value="1.5"/>"#);
     let warnings = load_body(&shape(&rough)).unwrap().warnings;
     assert!(warnings.len() == 1 && warnings[0].contains("`azimuthal_roughness` must lie in 0..1"), "{warnings:?}");
@@ -124,7 +126,7 @@ fn hair_is_met_from_outside() {
     }
 }
 
-/// What `convert` writes is the same hair.
+/// A converted file has the same hair.
 #[test]
 fn convert_writes_hair() {
     let body = shape(&plugin(r#"<rgb name="sigma_a" value="0.2, 3, 40"/><float name="scale_tilt" value="5"/>"#));

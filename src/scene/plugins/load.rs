@@ -292,7 +292,13 @@ impl<'a> Builder<'a> {
             None => Some(self.materials.keep_default(emitter.is_some())),
         };
         // Light that crosses a fiber leaves it where it has entered. So the far side must not meet it.
-        common.front_only |= material.is_some_and(|material| self.materials.has_fibers(material));
+        let has_fibers = material.is_some_and(|material| self.materials.has_fibers(material));
+        common.front_only |= has_fibers;
+        if has_fibers && boundary.is_some() {
+            let message =
+                "a shape that bounds a medium cannot have `hair`, which is met from outside only; use another BSDF";
+            self.faults.keep::<()>(Err(object.error(message)));
+        }
         if let Some(kind) = geometry.as_ref().and_then(curves::kind) {
             self.faults.keep(curves::check_emitter(kind, emitter));
         }

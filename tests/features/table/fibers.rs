@@ -3,7 +3,7 @@
 
 use super::Class::Curves;
 use super::shapes::subject;
-use super::xml::{bitmap, bsdf, default, element, float, placed, rgb, shape, string};
+use super::xml::{bsdf, checkerboard, default, element, float, placed, rgb, shape, string};
 use super::{Reference, Table};
 
 pub fn add(table: &mut Table) {
@@ -15,13 +15,15 @@ pub fn add(table: &mut Table) {
         [("longitudinal_roughness", "0.2"), ("azimuthal_roughness", "0.5"), ("scale_tilt", "6"), ("int_ior", "1.4")];
     let rough: String = rough.map(|(name, value)| float(name, value)).concat();
     let blue = with(&(rgb("sigma_a", "0.9,0.3,0.05") + &float("scale", "0.8") + &rough));
-    let printed = with(&(bitmap("sigma_a", "colors.png", "") + &float("scale", "2") + &float("scale_tilt", "0")));
+    let checkered = with(
+        &(checkerboard("sigma_a", "0.8,0.3,0.2", "0.1,0.3,0.6") + &float("scale", "2") + &float("scale_tilt", "0")),
+    );
     let sky = element("emitter", "constant", &rgb("radiance", "0.5,0.6,0.8"));
 
     table.show(Curves, "hair-lamp", curves(&with("")));
     table.show(Curves, "hair-light", curves(&light));
     table.show(Curves, "hair-blue", curves(&blue));
-    table.show(Curves, "hair-printed", curves(&printed));
+    table.show(Curves, "hair-checkered", curves(&checkered));
     let linear = default("file", "linearcurve.txt") + &subject("linearcurve", "$file", "", false, &blue);
     table.show(Curves, "hair-linear", linear);
     for (name, inside) in [("hair-sky", &light), ("hair-sky-blue", &blue)] {
