@@ -6,6 +6,7 @@ pub mod cosine_integrals;
 pub mod cosine_trees;
 pub mod lights;
 pub(crate) mod materials;
+pub mod measured;
 pub mod media;
 pub mod plastic_layer;
 pub(crate) mod plastics;

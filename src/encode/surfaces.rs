@@ -2,7 +2,7 @@
 
 use super::lights::Lights;
 use super::textures::PackedTextures;
-use super::{materials, plastics, volumes};
+use super::{materials, measured, plastics, volumes};
 use crate::generated::layout::{MaterialRecord, TEXEL_BYTES, VolumeRecord};
 use crate::scene::Scene;
 
@@ -20,9 +20,11 @@ impl Surfaces {
     pub fn new(scene: &Scene) -> Self {
         let mut materials: Vec<_> = materials::records(scene);
         let tables = plastics::complete(scene, &mut materials);
-        let (mut volumes, grids) = volumes::records(&scene.media);
+        let (mut volumes, mut grids) = volumes::records(&scene.media);
+        let measured = measured::complete(scene, &mut materials, &mut grids);
         let (textures, addresses) = PackedTextures::new(&scene.textures, &scene.images, &grids, tables);
         volumes::set_addresses(&mut volumes, &addresses);
+        measured::set_addresses(&mut materials, &measured, &addresses);
         Self { materials, volumes, textures }
     }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+pub use super::measured::MeasuredBsdf;
 use super::medium::Boundary;
 use super::parameter::{Parameter, Value, kinds, number, parameters, value};
 pub use super::principled::{Principled, PrincipledThin};
@@ -350,6 +351,8 @@ kinds! {
             /// Whether the fiber runs along the texture coordinate u, not along v.
             along_u: bool => MATERIAL_ALONG_U,
         };
+        /// Measured material (Dupuy and Jakob 2018).
+        Measured(measured: MeasuredBsdf) = "measured", BSDF_MEASURED;
     }
 }
 
@@ -391,6 +394,7 @@ impl Bsdf {
             Self::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
             Self::PrincipledThin(thin) => thin.anisotropic != Textured::constant(0.0),
             Self::Hair { .. } => true,
+            Self::Measured(measured) => !measured.tables.is_isotropic(),
             _ => false,
         }
     }

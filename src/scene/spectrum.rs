@@ -39,6 +39,25 @@ pub(super) fn of_light(points: &[[f64; 2]]) -> [f64; 3] {
     reduced(points, SpectrumUse::Emission)
 }
 
+/// Share of each of these wavelengths, which increase, in the red, green and blue of a material's spectrum that has values at them. Beyond
+/// its first and last wavelength the spectrum stays as it is there.
+pub(super) fn material_weights(wavelengths: &[f64]) -> Vec<[f64; 3]> {
+    let weight = |at: usize| {
+        // The triangle of the wavelength among its neighbors.
+        let first = at.saturating_sub(1);
+        let last = (at + 1).min(wavelengths.len() - 1);
+        let mut points: Vec<_> = (first..=last).map(|i| [wavelengths[i], if i == at { 1.0 } else { 0.0 }]).collect();
+        if at == 0 && wavelengths[0] > color_matching::FIRST {
+            points.insert(0, [color_matching::FIRST, 1.0]);
+        }
+        if at + 1 == wavelengths.len() && wavelengths[at] < color_matching::LAST {
+            points.push([color_matching::LAST, 1.0]);
+        }
+        reduced(&points, SpectrumUse::Material)
+    };
+    (0..wavelengths.len()).map(weight).collect()
+}
+
 /// Color of a spectrum that is constant over all wavelengths.
 pub(super) fn uniform(value: f64, spectrum_use: SpectrumUse) -> [f64; 3] {
     match spectrum_use {

@@ -147,6 +147,10 @@ pub fn write(folder: &Path) {
     for (name, channels) in [("smoke", 1), ("tinted", 3)] {
         write(&format!("{name}.vol"), &volumes::file([13, 11, 12], &volumes::smoke([13, 11, 12], channels)));
     }
+    let measured = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/measured");
+    for name in ["isotropic.bsdf", "anisotropic.bsdf"] {
+        write(name, &fs::read(measured.join(name)).expect("the file of a measured material"));
+    }
     write_images(folder);
 }
 

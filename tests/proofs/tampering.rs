@@ -67,6 +67,7 @@ const FAULTS: &[Fault] = &[
     kernels("a sheen that gains energy", DIRECTIONS, MIX),
     kernels("a lobe of hair with another width around the fiber", DIRECTIONS, MIX),
     kernels("samples of hair with another width around the fiber", DIRECTIONS, MIX),
+    kernels("samples of a measured material that are all alike", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),
     kernels("lost carry", SUMS, MIX),

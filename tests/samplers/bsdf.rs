@@ -3,7 +3,7 @@
 
 use glam::{DVec3, dvec3};
 use lodestar::generated::kernels::{
-    BSDF_WARD, FEATURE_BECKMANN, FEATURE_ENERGY_PRESERVING, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE,
+    BSDF_MEASURED, BSDF_WARD, FEATURE_BECKMANN, FEATURE_ENERGY_PRESERVING, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE,
     MATERIAL_ENERGY_PRESERVING, MATERIAL_WEIGHTED_BASE, Variant, WARD_BALANCED,
 };
 use lodestar::math::microfacet::Microfacets;
@@ -312,8 +312,10 @@ fn is_sound(i: &ScatteringInput, o: &ScatteringOutput) -> bool {
     let is_unbounded = i.bsdf.kind_and_flags == BSDF_WARD && i.bsdf.scalars[4] != WARD_BALANCED;
     let is_rough_base = i.bsdf.kind_and_flags & MATERIAL_ENERGY_PRESERVING != 0;
     let rough = if is_rough_base { 1.4 + 1.0 / i.wo[2].abs().max(o.wi[2].abs()) } else { 1.0 };
+    // Between the directions of a measured material, and between its points, tables that were interpolated differ.
+    let is_table = i.bsdf.kind_and_flags == BSDF_MEASURED;
     let weight = o.weight[0] * o.eta * o.eta;
-    let energy = o.lobe == LOBE_NONE || is_unbounded || weight < rough * if is_plastic { 2.0 } else { 1.2 };
+    let energy = o.lobe == LOBE_NONE || is_unbounded || weight < rough * if is_plastic || is_table { 2.0 } else { 1.2 };
     finite && positive && unit && energy
 }
 

@@ -16,6 +16,7 @@ mod intersections;
 mod light_selection;
 mod lights;
 mod looked_up;
+mod measured;
 mod normalization;
 mod parametrization;
 mod parents;

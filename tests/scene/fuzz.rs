@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lodestar::scene::Scene;
+use lodestar::scene::measured::Measured;
 use lodestar::scene::texture::{Image, Pattern, Texels};
 use proptest::prelude::*;
 use proptest::strategy::Union;
@@ -176,6 +177,22 @@ fn images() {
         let folder = Folder::new(&[("scene.xml", MATERIALS)]);
         folder.write("a.png", &bytes);
         folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+/// Files of measured materials of both kinds.
+#[test]
+fn measured_materials() {
+    let files = ["isotropic.bsdf", "spectral.bsdf"].map(|name| mangled(super::measured::file(name)).boxed());
+    fuzz(Union::new(files), |bytes| {
+        match Measured::read(&bytes) {
+            Ok(measured) => {
+                let words = lodestar::encode::measured::words(&measured);
+                prop_assert_eq!(words.len() as u64, measured.word_count());
+            }
+            Err(message) => prop_assert_eq!(message.lines().count(), 1, "{}", message),
+        }
+        Ok(())
     });
 }
 

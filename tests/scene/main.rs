@@ -19,6 +19,7 @@ mod hair;
 mod lobes;
 mod mapped;
 mod materials;
+mod measured;
 mod media;
 mod meshes;
 mod motion;

@@ -427,6 +427,13 @@ fn materials_that_nobody_uses_are_read_but_not_kept() {
     assert_eq!(load_body(RED).unwrap().materials.len(), 0);
 }
 
+/// Measured material of a file.
+const MEASURED: &str = concat!(
+    "<string name=\"filename\" value=\"",
+    env!("CARGO_MANIFEST_DIR"),
+    "/tests/data/measured/isotropic.bsdf\"/>"
+);
+
 #[test]
 fn every_unknown_parameter_is_named_once() {
     let plugins = [
@@ -445,6 +452,7 @@ fn every_unknown_parameter_is_named_once() {
         ("phong", ""),
         ("ward", ""),
         ("hair", ""),
+        ("measured", MEASURED),
         ("mask", RED),
         ("twosided", RED),
         ("coating", RED),

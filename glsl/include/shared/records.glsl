@@ -32,5 +32,22 @@ const uint TRANSMITTANCE_ENTRIES = 64u;
 // Number of roughnesses, and of cosines, in the table of the sheen's lobe, and of words of an entry.
 const uint SHEEN_ENTRIES = 32u;
 const uint SHEEN_WORDS = 2u;
+// The tables of a measured BSDF begin with numbers of words: the azimuths of the viewer, its elevations, and the parts in which the azimuths
+// were measured, or 0 where the surface may be turned. Then come a record for each of the grids, all azimuths, all elevations, and the grids.
+const uint MEASURED_AZIMUTHS = 0u;
+const uint MEASURED_ELEVATIONS = 1u;
+const uint MEASURED_PARTS = 2u;
+const uint MEASURED_HEAD_WORDS = 3u;
+// Number of the grids of a measured BSDF, and which is which: colors of samples, from red to blue, the density of normals, the projected area,
+// the brightness of samples, and the density of normals that the viewer sees. Both last ones have, after the numbers of a grid, the
+// distributions of the columns of each row and the distribution of the rows.
+const uint MEASURED_GRIDS = 7u;
+const uint MEASURED_COLORS = 0u;
+const uint MEASURED_NORMALS = 3u;
+const uint MEASURED_AREA = 4u;
+const uint MEASURED_BRIGHTNESS = 5u;
+const uint MEASURED_VISIBLE_NORMALS = 6u;
+// Words of the record of a grid: columns, rows, words between the grids of two directions of the viewer, and the place of the first.
+const uint MEASURED_GRID_WORDS = 4u;
 
 #endif

@@ -211,10 +211,18 @@ fn bsdf(maker: &mut Maker) -> Result<Object> {
         "coatedconductor" => coats::conductor(maker),
         "interface" | "" | "none" => Ok(object(Kind::Bsdf, "null", [])),
         "hair" => hair::read(maker),
-        other @ "measured" => Err(entity.error(format!("the material `{other}` is not supported; use another one"))),
+        "measured" => measured(maker),
         "fourier" => Err(entity.error("the material `fourier` of pbrt-v3 is not supported; use another one")),
         other => Err(entity.error(format!("the material `{}` is not known; check its spelling", brief(other)))),
     }
+}
+
+fn measured(maker: &mut Maker) -> Result<Object> {
+    let entity = maker.entity;
+    let file = entity.parameters.text("filename")?;
+    let file = file.ok_or_else(|| entity.error("the material `measured` needs its \"string filename\""))?;
+    maker.textures.images.files.existing(file, "measured material", &entity.parameters.place)?;
+    Ok(two_sided(object(Kind::Bsdf, "measured", [("filename", Value::Text(file.to_owned()))])))
 }
 
 fn conductor(maker: &mut Maker) -> Result<Object> {

@@ -17,7 +17,7 @@ use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::instances::{self, Arranged, Item, Placed};
 use super::kept_meshes::KeptMeshes;
-use super::materials::{Materials, conserve_energy};
+use super::materials::{Materials, conserve_energy, measured_word_counts};
 use super::media::MediumList;
 use super::projector::Projector;
 use super::properties::Properties;
@@ -488,10 +488,13 @@ impl<'a> Builder<'a> {
             image,
         };
         let media = self.media.list;
+        let measured = measured_word_counts(&materials);
+        let has_grids = !media.is_empty() || !measured.is_empty();
         let counts = images.iter().map(texel_pages::word_count).chain(media.iter().flat_map(Medium::word_counts));
-        let counts: Vec<u64> = counts.collect();
-        if !media.is_empty() && texel_pages::place(&counts).is_none() {
-            let message = "the images and the grids of media fit no device; use fewer voxels or smaller images";
+        let counts: Vec<u64> = counts.chain(measured).collect();
+        if has_grids && texel_pages::place(&counts).is_none() {
+            let message =
+                "the images, the grids of media and the measured materials fit no device; use fewer or smaller ones";
             return Err(Error::scene(path, None, message));
         }
         if let Some(colors) = vertex_colors::make(&mut shapes, &context, &mut self.warnings)? {

@@ -16,7 +16,7 @@ const OTHERS: [(Kind, &[&str]); 12] = [
     (Kind::Shape, &[MESH, "merge", "sdfgrid"]),
     (Kind::Emitter, &["timed_sunsky"]),
     (Kind::Texture, &["volume"]),
-    (Kind::Bsdf, &["bsdf_mixture", "circular", "measured", "polarizer", "retarder"]),
+    (Kind::Bsdf, &["bsdf_mixture", "circular", "polarizer", "retarder"]),
     (Kind::Medium, &["homogeneous", "heterogeneous"]),
     (Kind::Phase, &["isotropic", "hg", "rayleigh", "blendphase", "tabphase", "sggx"]),
     (Kind::Volume, &["constvolume", "gridvolume"]),

@@ -8,6 +8,7 @@ mod emitters;
 mod extremes;
 mod fibers;
 mod lamps;
+mod measured;
 mod media;
 mod passages;
 mod paths;
@@ -158,6 +159,7 @@ pub fn all() -> Vec<Case> {
     volumes::add(&mut table);
     lamps::add(&mut table);
     fibers::add(&mut table);
+    measured::add(&mut table);
     table.0
 }
 

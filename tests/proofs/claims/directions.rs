@@ -15,7 +15,7 @@ use support::sampled_directions::{DirectionOutput, SeenSurface, draw};
 use support::scattering_cases::{Base, DeviceBsdf, Surface, surfaces};
 use support::significance::two_sided;
 use support::statistics::{chi_square, mean_and_error};
-use support::substances::{Substance, hair, phong, plastic, ward};
+use support::substances::{MEASURED_ROUGHNESS, Substance, hair, phong, plastic, ward};
 use support::twins::conductor::Conductor;
 use support::twins::cosine::SphereGrid;
 use support::twins::dielectric::Dielectric;
@@ -66,6 +66,7 @@ impl Family {
             (Base::Substance(Substance::RoughConductor(_, facets)), GuideSet::All) => roughness(facets).min(1.0),
             (Base::Substance(Substance::RoughDielectric(_, facets)), GuideSet::All) => 0.5 * roughness(facets).min(1.0),
             (Base::Principled(_) | Base::PrincipledThin(_) | Base::Substance(Substance::Hair(_)), GuideSet::All) => 0.5,
+            (Base::Substance(Substance::Measured(..)), GuideSet::All) => MEASURED_ROUGHNESS / GUIDED_ALPHA,
             _ => 0.0,
         }
     }
@@ -81,8 +82,8 @@ impl Family {
             Self::Other(surface) => match &surface.base {
                 Base::RoughDiffuse(_) | Base::Diffuse(_) => true,
                 Base::Substance(substance) => {
-                    use Substance::{Hair, RoughConductor, RoughDielectric};
-                    !matches!(substance, RoughConductor(..) | RoughDielectric(..) | Hair(_))
+                    use Substance::{Hair, Measured, RoughConductor, RoughDielectric};
+                    !matches!(substance, RoughConductor(..) | RoughDielectric(..) | Hair(_) | Measured(..))
                 }
                 _ => false,
             },
@@ -161,6 +162,7 @@ fn families() -> Vec<Family> {
         other("smoother conductor", Base::Substance(Substance::RoughConductor(metal, rough(0.3)))),
         other("smoother dielectric", Base::Substance(Substance::RoughDielectric(glass, rough(0.3)))),
         other("hair", Base::Substance(hair(0.3, 0.4))),
+        known("measured", "measured anisotropic.bsdf"),
         known("principled", "principled 0.5 all"),
         known("principled thin", "principled thin 0.5 all"),
         known("sheen over diffuse", "sheen 0.8 over diffuse"),

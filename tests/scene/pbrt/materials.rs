@@ -167,8 +167,17 @@ fn subsurface_is_a_medium_below_a_dielectric() {
 }
 
 #[test]
+fn measured_materials_have_two_sides() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/measured/spectral.bsdf");
+    let scene = with(&format!("Material \"measured\" \"string filename\" \"{file}\""));
+    let Bsdf::Measured(measured) = bsdf(&scene) else { panic!("{:?}", scene.materials) };
+    assert!(measured.tables.is_isotropic() && surface(&scene).two_sided);
+}
+
+#[test]
 fn what_is_refused() {
-    refused("Material \"measured\" \"string filename\" \"a.bsdf\"", "the material `measured` is not supported");
+    refused("Material \"measured\" \"string filename\" \"gone.bsdf\"", "`gone.bsdf` does not exist");
+    refused("Material \"measured\"", "the material `measured` needs its \"string filename\"");
     let wrong = |parameters: &str, message: &str| refused(&format!("Material \"subsurface\" {parameters}"), message);
     wrong("\"string name\" \"Jam\"", "names the medium `Jam`, which pbrt does not know");
     wrong("\"rgb mfp\" [ 1 1 1 ]", "needs its `reflectance`, too");

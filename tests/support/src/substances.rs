@@ -1,17 +1,20 @@
 //! Metals, dielectrics, plastics, hair and the lobes of Phong and Ward, in the form of the device and in the form of their twins.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
-use lodestar::encode::sheen;
+use lodestar::encode::{measured, sheen};
 use lodestar::generated::kernels::{
-    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_HAIR, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC,
-    BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_ENERGY_PRESERVING, MATERIAL_GGX, MATERIAL_NONLINEAR,
-    MATERIAL_SMOOTH_BASE, MATERIAL_WEIGHTED_BASE, WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
+    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_HAIR, BSDF_MEASURED, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR,
+    BSDF_ROUGH_DIELECTRIC, BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_ENERGY_PRESERVING,
+    MATERIAL_GGX, MATERIAL_NONLINEAR, MATERIAL_SMOOTH_BASE, MATERIAL_WEIGHTED_BASE, WARD_BALANCED, WARD_DUER,
+    WARD_ORIGINAL,
 };
 use lodestar::math::microfacet::Microfacets;
+use lodestar::scene::measured::Measured;
 
+use crate::repository;
 use crate::scattering_cases::DeviceBsdf;
 use crate::twins::conductor::{Conductor, conductor_lobes, eval_bsdf_rough_conductor, pdf_reflection};
 use crate::twins::delta::DeltaLobe;
@@ -20,6 +23,7 @@ use crate::twins::dielectric::{
 };
 use crate::twins::direction::pdf_cosine_hemisphere;
 use crate::twins::hair::{Hair, eval_bsdf_hair, pdf_bsdf_hair};
+use crate::twins::measured::MeasuredSurface;
 use crate::twins::phong::{Phong, eval_bsdf_phong, pdf_bsdf_phong};
 use crate::twins::plastic::{Plastic, RoughSurface, eval_bsdf_plastic, pdf_bsdf_plastic, plastic_lobes};
 use crate::twins::polarized_plastic::{PolarizedPlastic, eval_bsdf_polarized_plastic, pdf_bsdf_polarized_plastic};
@@ -40,14 +44,17 @@ pub enum Substance {
     Phong(Phong),
     Ward(Ward),
     Hair(Hair),
+    /// Measured material, with the address of its tables.
+    Measured(Arc<MeasuredSurface>, u32),
 }
 
 /// Layers of the rough plastics so far, and the words of their tables and of the sheens'.
-static TABLES: Mutex<Tables> = Mutex::new(Tables { sheen: None, layers: vec![], words: vec![] });
+static TABLES: Mutex<Tables> = Mutex::new(Tables { sheen: None, layers: vec![], measured: vec![], words: vec![] });
 
 struct Tables {
     sheen: Option<u32>,
     layers: Vec<(Microfacets, f64, RoughLayer, u32)>,
+    measured: Vec<(&'static str, Arc<MeasuredSurface>, u32)>,
     words: Vec<u32>,
 }
 
@@ -63,7 +70,21 @@ pub fn sheen_table() -> u32 {
     address
 }
 
-/// Words of all tables of rough plastics and of sheens so far.
+/// Measured material of a file in `tests/data/measured`.
+pub fn measured_of(name: &'static str) -> Substance {
+    let mut tables = TABLES.lock().expect("no test panics with it");
+    if let Some((_, surface, address)) = tables.measured.iter().find(|known| known.0 == name) {
+        return Substance::Measured(Arc::clone(surface), *address);
+    }
+    let bytes = std::fs::read(repository().join("tests/data/measured").join(name)).expect("the file");
+    let surface = Arc::new(MeasuredSurface::new(Measured::read(&bytes).expect("a measured material")));
+    let address = tables.words.len() as u32;
+    tables.words.extend(measured::words(surface.tables()));
+    tables.measured.push((name, Arc::clone(&surface), address));
+    Substance::Measured(surface, address)
+}
+
+/// Words of all tables of rough plastics, of sheens and of measured materials so far.
 pub fn table_words() -> Vec<u32> {
     TABLES.lock().expect("no test panics with it").words.clone()
 }
@@ -154,6 +175,8 @@ impl Substance {
                 ..*b
             }),
             Self::Hair(b) => Self::Hair(Hair { sigma_a: DVec3::ZERO, ..*b }),
+            // Its tables say what it absorbs.
+            Self::Measured(b, address) => Self::Measured(Arc::clone(b), *address),
         }
     }
 
@@ -195,6 +218,7 @@ impl Substance {
             Self::Phong(b) => eval_bsdf_phong(b, wo, wi),
             Self::Ward(b) => eval_bsdf_ward(b, wo, wi),
             Self::Hair(b) => eval_bsdf_hair(b, wo, wi),
+            Self::Measured(b, _) => b.eval(wo, wi),
             _ => DVec3::ZERO,
         }
     }
@@ -205,6 +229,7 @@ impl Substance {
             Self::RoughConductor(_, facets) => pdf_reflection(facets, wo, wi),
             Self::RoughDielectric(b, facets) => pdf_bsdf_rough_dielectric(b, facets, wo, wi),
             Self::Hair(b) => pdf_bsdf_hair(b, wo, wi),
+            Self::Measured(b, _) => b.pdf(wo, wi),
             _ => self.pdf_with(wo, wi, pdf_cosine_hemisphere(wi.z)),
         }
     }
@@ -233,6 +258,7 @@ impl Substance {
             Self::Phong(b) => device_phong(b),
             Self::Ward(b) => device_ward(b),
             Self::Hair(b) => device_hair(b),
+            Self::Measured(_, address) => device_measured(*address),
         };
         if let Some(facets) = self.facets() {
             device.kind_and_flags |= if facets.is_ggx { MATERIAL_GGX } else { 0 };
@@ -302,6 +328,16 @@ fn device_hair(b: &Hair) -> DeviceBsdf {
     let mut device = DeviceBsdf::new(BSDF_HAIR, [b.sigma_a, DVec3::ZERO, DVec3::ZERO]);
     device.scalars[..3].copy_from_slice(&[b.longitudinal_roughness, b.azimuthal_roughness, b.eta].map(|x| x as f32));
     device.scalars[4] = b.tilt.sin() as f32;
+    device
+}
+
+/// Roughness by which the guide has its share of measured materials.
+pub const MEASURED_ROUGHNESS: f64 = 0.3;
+
+fn device_measured(address: u32) -> DeviceBsdf {
+    let mut device = DeviceBsdf::new(BSDF_MEASURED, [DVec3::ONE; 3]);
+    let [high, low] = measured::halves(address);
+    device.scalars[4..7].copy_from_slice(&[low, high, MEASURED_ROUGHNESS as f32]);
     device
 }
 
@@ -401,5 +437,7 @@ fn hairs() -> Vec<(String, Substance)> {
 pub fn substances() -> Vec<(String, Substance)> {
     let alphas = [[0.05; 2], [0.2; 2], [0.5; 2], [1.0; 2], [0.05, 0.5], [0.8, 0.3]];
     let rough = alphas.into_iter().flat_map(|alpha| [rough(alpha, false), rough(alpha, true)]).flatten();
-    smooth().into_iter().chain(rough).chain(lobes()).chain(hairs()).collect()
+    let measured = ["isotropic.bsdf", "anisotropic.bsdf", "spectral.bsdf"];
+    let measured = measured.map(|name| (format!("measured {name}"), measured_of(name)));
+    smooth().into_iter().chain(rough).chain(lobes()).chain(hairs()).chain(measured).collect()
 }

@@ -38,6 +38,7 @@ const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entr
 const PATH: &str = "glsl/include/path/path.glsl";
 const STRAIGHT: &str = "glsl/include/path/straight.glsl";
 const PASSAGE: &str = "glsl/include/path/passage.glsl";
+const MEASURED: &str = "glsl/include/bsdf/measured.glsl";
 const MEDIUM: &str = "glsl/include/path/medium.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
@@ -243,6 +244,14 @@ pub const MUTATIONS: &[Mutation] = &[
             file: HAIR,
             text: "float off = clamp(f.scale * log(odds), -PI, PI)",
             mutated: "float off = clamp((MUTATED ? 1.15 : 1.0) * f.scale * log(odds), -PI, PI)",
+        }],
+    ),
+    mutation(
+        "samples of a measured material that are all alike",
+        &[Patch {
+            file: MEASURED,
+            text: "for (uint kind = MEASURED_BRIGHTNESS; kind <=",
+            mutated: "for (uint kind = MUTATED ? MEASURED_VISIBLE_NORMALS : MEASURED_BRIGHTNESS; kind <=",
         }],
     ),
     mutation(

@@ -3,6 +3,7 @@
 mod hair;
 mod ior;
 mod lobes;
+mod measured;
 mod mixture;
 mod named_conductors;
 mod parameters;
@@ -28,6 +29,8 @@ use crate::scene::faults::{self, Faults};
 use crate::scene::medium::Boundary;
 use crate::scene::texture::Textured;
 pub(super) use lobes::conserve_energy;
+use measured::MeasuredFiles;
+pub(super) use measured::word_counts as measured_word_counts;
 use parameters::{DEFAULT_REFLECTANCE, Parameters};
 use tree::{Tree, null_surface};
 
@@ -74,6 +77,7 @@ pub(super) struct Materials<'a> {
     /// Index of the material of disks that face what they light.
     null: Option<u32>,
     list: Vec<Material>,
+    measured: MeasuredFiles,
 }
 
 impl<'a> Materials<'a> {
@@ -88,6 +92,7 @@ impl<'a> Materials<'a> {
             defaults: [None; 2],
             null: None,
             list: Vec::new(),
+            measured: MeasuredFiles::default(),
         }
     }
 
@@ -227,7 +232,7 @@ impl<'a> Materials<'a> {
             }
             faults.into_result()?;
         }
-        let mut parameters = Parameters::new(properties, textures, warnings);
+        let mut parameters = Parameters::new(properties, textures, &mut self.measured, warnings);
         let tree = match surfaces::parse(&mut parameters)? {
             Some(bsdf) => {
                 let scales_radiance = scales_radiance(&mut parameters, &bsdf)?;

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::super::properties::Properties;
 use super::super::role::Role;
 use super::super::textures::Textures;
+use super::measured::MeasuredFiles;
 use super::{ior, named_conductors};
 use crate::Result;
 use crate::generated::constants::MIN_ALPHA;
@@ -22,12 +23,18 @@ const DEFAULT_ALPHA: f32 = 0.1;
 pub(super) struct Parameters<'r, 'a> {
     pub properties: Properties<'a>,
     textures: &'r mut Textures<'a>,
+    pub measured: &'r mut MeasuredFiles,
     pub warnings: &'r mut Vec<String>,
 }
 
 impl<'r, 'a> Parameters<'r, 'a> {
-    pub fn new(properties: Properties<'a>, textures: &'r mut Textures<'a>, warnings: &'r mut Vec<String>) -> Self {
-        Self { properties, textures, warnings }
+    pub fn new(
+        properties: Properties<'a>,
+        textures: &'r mut Textures<'a>,
+        measured: &'r mut MeasuredFiles,
+        warnings: &'r mut Vec<String>,
+    ) -> Self {
+        Self { properties, textures, measured, warnings }
     }
 
     pub fn owner(&self) -> &'a Object {

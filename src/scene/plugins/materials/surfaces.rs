@@ -27,6 +27,7 @@ pub(super) const READERS: &[(&str, Reader)] = &[
     ("principled", |parameters| principled::principled(parameters).map(Bsdf::Principled)),
     ("principledthin", |parameters| principled::thin(parameters).map(Bsdf::PrincipledThin)),
     ("difftrans", |parameters| principled::diffuse_transmitter(parameters).map(Bsdf::PrincipledThin)),
+    ("measured", |parameters| parameters.measured.read(&mut parameters.properties)),
     ("phong", lobes::phong),
     ("ward", lobes::ward),
     ("hair", hair::hair),

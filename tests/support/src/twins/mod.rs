@@ -18,6 +18,7 @@ pub mod hair;
 pub mod hashed;
 pub mod intersect;
 pub mod light;
+pub mod measured;
 pub mod microfacet;
 pub mod normalization_entry;
 pub mod phong;
