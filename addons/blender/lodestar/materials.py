@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
-from . import facets, principled, subsurface, volumes, xml
+from . import facets, hair_shaders, principled, subsurface, volumes, xml
 from .images import Images, Texture
 from .layouts import Layout, layout
 from .nodes import OF_EEVEE, Color, Reader, Surroundings
@@ -237,6 +237,8 @@ class _Translator:
             "BSDF_TRANSPARENT": self._transparent,
             "BSDF_TRANSLUCENT": self._translucent,
             "SUBSURFACE_SCATTERING": self._subsurface,
+            "BSDF_HAIR_PRINCIPLED": lambda node, groups: Closure(hair_shaders.principled(self.reader, node, groups)),
+            "BSDF_HAIR": self._hair,
             "EMISSION": self._emission,
             "MIX_SHADER": self._mix,
             "ADD_SHADER": self._add,
@@ -299,6 +301,16 @@ class _Translator:
         color = self.reader.color(node.inputs["Color"], groups)
         sheet = parameter(self.images, subsurface.transmitting(), "transmittance", color)
         return Closure(self.relief(sheet, node, groups))
+
+    def _hair(self, node: Any, groups: Groups) -> Closure:
+        """Hair BSDF, which Blender has beside the newer Principled Hair."""
+        color = self.reader.color(node.inputs["Color"], groups)
+        is_through = node.component == "Transmission"
+        found = "a translucent" if is_through else "a diffuse"
+        self.reader.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; {found} surface of its color is rendered')
+        if is_through:
+            return Closure(parameter(self.images, subsurface.transmitting(), "transmittance", color))
+        return Closure(diffuse(self.images, color))
 
     def _emitted(self, socket: Any, groups: Groups) -> Union[Color, Texture]:
         """Color of emitted light."""

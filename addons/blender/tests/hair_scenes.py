@@ -178,4 +178,30 @@ def instances() -> Any:
     return scene
 
 
+def principled_hair(name: str, parametrization: str, **inputs: Any) -> Any:
+    """Material of Principled Hair; underscores stand for spaces."""
+
+    def build(tree: Any) -> Any:
+        node = tree.nodes.new("ShaderNodeBsdfHairPrincipled")
+        if hasattr(node, "model"):
+            node.model = "CHIANG"
+        node.parametrization = parametrization
+        for each, value in inputs.items():
+            socket = node.inputs[each.replace("_", " ")]
+            socket.default_value = (*value, 1.0) if socket.type == "RGBA" else value
+        return node.outputs[0]
+
+    return scenes.material(name, build)
+
+
+def fibers(parametrization: str, **inputs: Any) -> Any:
+    """Bent strands of Principled Hair."""
+    scene = lit()
+    scenes.plane(scene, "floor", 6.0, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    strands = bent(14)
+    radii = [np.linspace(0.05, 0.03, len(strand)) for strand in strands]
+    curves(scene, "fibers", strands, radii, principled_hair("fiber", parametrization, **inputs))
+    return scene
+
+
 ALL = {each.__name__: each for each in (particles, shapes_of_radii, hair_curves, polylines, textured, info, attributes, instances)}

@@ -37,6 +37,46 @@ def test_agrees_with_cycles(name: str) -> None:
     assert found < 0.03 and abs(ratio - 1.0) < 0.01
 
 
+@pytest.mark.parametrize(
+    "parametrization,inputs",
+    [
+        ("COLOR", dict(Color=(0.6, 0.3, 0.1))),
+        ("COLOR", dict(Color=(0.6, 0.3, 0.1), Offset=0.3, Roughness=0.15)),
+        ("MELANIN", dict(Melanin=0.2, Melanin_Redness=0.4, Tint=(0.9, 0.5, 0.3))),
+        ("MELANIN", dict(Melanin=0.3, Melanin_Redness=0.4, Random_Color=0.8, Random_Roughness=0.5)),
+        ("ABSORPTION", dict(Absorption_Coefficient=(0.2, 0.5, 1.0), Roughness=0.2, Radial_Roughness=0.6)),
+    ],
+    ids=["color", "offset", "melanin", "by chance", "absorption"],
+)
+def test_fibers_agree_with_cycles(parametrization: str, inputs: dict[str, Any]) -> None:
+    """Principled Hair. That its scales turn the other way is found."""
+    theirs, ours = pictures(hair_scenes.fibers(parametrization, **inputs), "fibers")
+    found, ratio = support.deviation(ours, theirs), support.mean_ratio(ours, theirs)
+    print(f"{parametrization}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < 0.03 and abs(ratio - 1.0) < 0.01
+    if "Offset" in inputs:
+        turned = support.colors(support.render(hair_scenes.fibers(parametrization, **{**inputs, "Offset": -inputs["Offset"]}), "LODESTAR", 256, "turned"))
+        assert support.deviation(turned, theirs) > 0.03
+
+
+def test_other_hair_is_named(tmp_path: Path) -> None:
+    """The model Huang and the older node are rendered as others, and a coat is left out."""
+    for kind, words in (("HUANG", "model Huang"), ("COAT", "coat"), ("OLD", "a diffuse surface of its color")):
+        scene = hair_scenes.fibers("COLOR", Color=(0.6, 0.3, 0.1))
+        surface = scene.objects["fibers"].data.materials[0]
+        node = next(each for each in surface.node_tree.nodes if each.type == "BSDF_HAIR_PRINCIPLED")
+        if kind == "HUANG":
+            if not hasattr(node, "model"):
+                continue
+            node.model = kind
+        elif kind == "COAT":
+            node.inputs["Coat"].default_value = 0.5
+        else:
+            scene.objects["fibers"].data.materials[0] = scenes.simple("old", "ShaderNodeBsdfHair", Color=(0.6, 0.3, 0.1))
+        warnings = exported(tmp_path).report.warnings
+        assert len(warnings) == 1 and words in warnings[0], warnings
+
+
 def test_twin_thinner_strands_are_found() -> None:
     """The comparison finds strands that are a fifth thinner."""
     scene = hair_scenes.textured()
