@@ -51,8 +51,8 @@ MeasuredView measured_view(Measured b, vec3 wo) {
     v.table = uint(b.table_high) << 16 | uint(b.table_low);
     uint parts = texel_word(v.table + MEASURED_PARTS);
     v.isotropic = parts == 0u;
-    v.mirror.y = parts >= 2u && wo.y > 0.0 ? -1.0 : 1.0;
-    v.mirror.x = parts == 4u ? (wo.x > 0.0 ? -1.0 : 1.0) : v.mirror.y;
+    float mirror_y = parts >= 2u && wo.y > 0.0 ? -1.0 : 1.0;
+    v.mirror = vec2(parts == 4u ? (wo.x > 0.0 ? -1.0 : 1.0) : mirror_y, mirror_y);
     v.u = measured_square(vec3(wo.xy * v.mirror, wo.z));
     // A direction along the x-axis ends the measured part.
     if (parts >= 2u) v.u.y = 0.5 - abs(v.u.y - 0.5);

@@ -23,6 +23,8 @@ struct Placement {
     float scale;  // factor by which the axis of the group's space grows that grows most
 };
 
+const Placement NO_PLACEMENT = Placement(mat3(0.0), mat3(0.0), vec3(0.0), 0.0);
+
 // Length of a matrix's longest column.
 float largest_axis(mat3 m) {
     return sqrt(max(dot(m[0], m[0]), max(dot(m[1], m[1]), dot(m[2], m[2]))));

@@ -24,6 +24,8 @@ struct Surface {
     vec3 dp_dv;
 };
 
+const Surface NO_SURFACE = Surface(vec3(0.0), 0.0, 0.0, vec3(0.0), vec3(0.0), NONE, NONE, vec2(0.0), vec3(0.0), vec3(0.0));
+
 // Whether anything in the scene reads texture coordinates.
 bool has_texture_coordinates() {
     return has_feature(FEATURE_TEXTURES | FEATURE_TEXTURED_EMITTERS | FEATURE_TANGENTS);
@@ -217,7 +219,7 @@ Surface surface_at(Ray ray, Hit hit) {
     AttributeRecord attributes = load_attribute(hit.primitive);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
 
-    Placement placement;
+    Placement placement = NO_PLACEMENT;
     PrimitiveRecord in_group = p;
     bool moved = is_moved(hit.instance);
     if (moved) {
@@ -230,11 +232,8 @@ Surface surface_at(Ray ray, Hit hit) {
         shape = SHAPE_DISK;
     }
 
-    Surface s;
+    Surface s = NO_SURFACE;
     s.size = p.edge_tolerance;
-    s.uv = vec2(0.0);
-    s.dp_du = vec3(0.0);
-    s.dp_dv = vec3(0.0);
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
         place_on_sphere(s, ray, hit, p.origin, p.edge_tolerance);
         // The center and the radius are rounded products.

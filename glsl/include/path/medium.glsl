@@ -104,17 +104,8 @@ vec3 flight_weight(uint medium, vec3 throughput, float distance, bool scatters) 
 
 // Point of a medium, as a surface without extent, material and normal.
 Surface point_of_medium(vec3 position) {
-    Surface s;
+    Surface s = NO_SURFACE;
     s.position = position;
-    s.epsilon = 0.0;
-    s.size = 0.0;
-    s.geometric_normal = vec3(0.0);
-    s.shading_normal = vec3(0.0);
-    s.material = NONE;
-    s.emitter = NONE;
-    s.uv = vec2(0.0);
-    s.dp_du = vec3(0.0);
-    s.dp_dv = vec3(0.0);
     return s;
 }
 

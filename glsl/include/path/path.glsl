@@ -76,6 +76,7 @@ bool has_gone_through(Path path) {
 Path new_path(RandomKey key) {
     Path path;
     path.key = key;
+    path.ray = Ray(vec3(0.0), vec3(0.0), 0.0);
     path.pixel = 0u;
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
@@ -85,12 +86,12 @@ Path new_path(RandomKey key) {
     path.evidence = NO_EVIDENCE;
     path.previous_position = vec3(0.0);
     path.pdf = 0.0;
-    forget_straight(path);
     path.setting_out = vec3(0.0);
     path.medium = NO_MEDIUM;
     path.flown = vec3(1.0);
     path.pixel_estimate = 0.0;
     path.last_vertex = NO_VERTEX;
+    forget_straight(path);
     return path;
 }
 

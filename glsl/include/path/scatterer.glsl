@@ -93,6 +93,7 @@ Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
         scatterer.frame = fiber_frame(surface, bsdf_flag(scatterer.bsdf, MATERIAL_ALONG_U));
     }
     scatterer.upright = vec3(0.0, 0.0, 1.0);
+    scatterer.cell = cell_at(surface.position);
     mat3 front = scatterer.frame;
     scatterer.wo = wo * scatterer.frame;
     bool relief_outside = has_feature(FEATURE_RELIEF_OUTSIDE) && bsdf_flag(scatterer.bsdf, MATERIAL_RELIEF_OUTSIDE);
@@ -104,7 +105,6 @@ Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
         scatterer.upright = upright_in(tilted);
     }
     if (relief_outside) mirror_behind(scatterer);
-    scatterer.cell = cell_at(surface.position);
     return scatterer;
 }
 

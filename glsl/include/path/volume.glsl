@@ -101,6 +101,8 @@ VolumeWalk start_walk(VolumeRecord volume, Ray ray) {
     walk.block = clamp(ivec3(floor(place / volume.side)), ivec3(0), ivec3(volume.blocks) - 1);
     walk.next = (vec3(walk.block + mix(ivec3(1), ivec3(0), backward)) * volume.side - walk.origin) * inverse;
     walk.spacing = volume.side / speed;
+    walk.majorant = 0.0;
+    walk.more = false;
     enter_block(walk, volume);
     return walk;
 }
