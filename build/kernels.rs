@@ -16,6 +16,8 @@ const RAY_QUERY_EXTENSION: &str = "GL_EXT_ray_query";
 const KERNEL_FOLDER: &str = "glsl/kernels";
 /// Folder of the tests' kernels. The published crate does not have it.
 const TEST_FOLDER: &str = "glsl/test";
+/// Most identifiers of a kernel. The optimizer hands out 4,194,303, and overflows the stack where it needs more.
+const MOST_IDENTIFIERS: u32 = 3_500_000;
 
 /// What a kernel reads geometry from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -167,6 +169,14 @@ fn included_bytes(text: &str, includes: &Includes, names: &mut BTreeSet<String>)
 
 fn module(file: &str, back_end: BackEnd, written: &Path) -> Result<Module, String> {
     let spirv = spirv::of(file, back_end, written)?;
+    // The fourth word of a module is the bound of its identifiers.
+    let bound = spirv.as_chunks::<4>().0.get(3).map_or(0, |word| u32::from_le_bytes(*word));
+    if bound > MOST_IDENTIFIERS {
+        return Err(format!(
+            "{file}: the optimizer needs {bound} identifiers; the most is {MOST_IDENTIFIERS}. Let structs that are filled in parts begin as \
+             constants"
+        ));
+    }
     let interface = Interface::reflect(&spirv).map_err(|e| format!("{file}: {e}"))?;
     Ok(Module { spirv, interface })
 }
