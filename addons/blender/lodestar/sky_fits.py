@@ -99,7 +99,7 @@ def _hosek(fit: Fit, height: np.ndarray, to_sun: np.ndarray) -> np.ndarray:
         glow = (1.0 + cosine**2) / (1.0 + i * i - 2.0 * i * cosine) ** 1.5
         bright = c + d * np.exp(e * to_sun) + f * cosine**2 + g * glow + h * np.sqrt(height)
         channels.append(_interpolated(fit, radiance) * (1.0 + a * np.exp(b / (height + 0.01))) * bright)
-    return SCALE_OF_HOSEK * np.stack(channels, axis=-1)
+    return SCALE_OF_HOSEK * color(np.stack(channels, axis=-1))
 
 
 def _interpolated(fit: Fit, table: np.ndarray) -> Any:

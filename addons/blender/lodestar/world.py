@@ -106,8 +106,6 @@ def _sky(node: Any, groups: tuple[Any, ...], strength: float, reader: Reader) ->
         rotation = _rotation(node.inputs["Vector"], groups, reader)
         if rotation is None:
             return None
-        if fit.kind == "HOSEK_WILKIE":
-            reader.warn("the sky of Hosek and Wilkie is their fit for sRGB; that of Cycles differs by some percent")
         return _picture(reader.images.written(sky_fits.picture(fit)), strength, rotation)
     found = sky.of_node(node)
     if found is None:

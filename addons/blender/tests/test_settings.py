@@ -636,13 +636,6 @@ def lost_world(scene: Any) -> None:
     tree.links.new(texture.outputs["Color"], next(n for n in tree.nodes if n.type == "BACKGROUND").inputs["Color"])
 
 
-def fitted_sky(scene: Any) -> None:
-    tree = scene.world.node_tree
-    sky = tree.nodes.new("ShaderNodeTexSky")
-    sky.sky_type = "HOSEK_WILKIE"
-    tree.links.new(sky.outputs["Color"], next(n for n in tree.nodes if n.type == "BACKGROUND").inputs["Color"])
-
-
 def ashikhmin(scene: Any) -> None:
     made = scenes.simple("grained", "ShaderNodeBsdfGlossy", Roughness=0.5)
     next(n for n in made.node_tree.nodes if n.type == "BSDF_GLOSSY").distribution = "ASHIKHMIN_SHIRLEY"
@@ -683,7 +676,6 @@ def fast_gi(scene: Any) -> None:
         (colors_beside_relief, 'material "painted": a color attribute beside other textures'),
         (sun_in_view, 'light "lamp": a sun that the camera sees'),
         (indirect, 'collection "sources": Indirect Only'),
-        (fitted_sky, 'world "world": the sky of Hosek and Wilkie is their fit for sRGB'),
         (ashikhmin, 'material "grained": facets of Ashikhmin and Shirley'),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
