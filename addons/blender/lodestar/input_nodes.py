@@ -7,7 +7,7 @@ from typing import Any, Optional
 from .evaluator import Evaluator, Groups, Handler
 from .images import MISSING
 from .programs import (
-    Expression, absolute, dot, less, maximum, normalized, permuted, positive, power, select, square_root,
+    Expression, absolute, clamp, dot, less, maximum, minimum, normalized, permuted, positive, power, select, square_root,
 )
 
 # Blender's v runs upwards, that of the renderer downwards.
@@ -163,7 +163,7 @@ def _object_info(e: Evaluator, node: Any, output: Any, groups: Groups) -> Option
         "Color": lambda: list(owner.color)[:3],
         "Alpha": lambda: owner.color[3],
         "Object Index": lambda: float(owner.pass_index),
-        "Material Index": lambda: float(e.reader.material_index),
+        "Material Index": lambda: float(e.reader.material.pass_index if e.reader.material is not None else 0),
         "Random": lambda: (place.random_id & 0xFFFFFFFF) / 4294967295.0,
     }
     return e.graph.constant(values[output.name]()) if output.name in values else None
@@ -224,7 +224,23 @@ def _image(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Exp
         return None
     at = e.value(node.inputs["Vector"], groups, lambda: uv(e))
     key = (texture.image.name_full, texture.operations, texture.wrap, texture.interpolation)
-    return e.graph.bitmap(key, e.reader.images.element(texture), e.graph.transformed(at, FLIP))
+    found = e.graph.bitmap(key, e.reader.images.element(texture), e.graph.transformed(at, FLIP))
+    return found * _within(node, output, at) if node.extension == "CLIP" else found
+
+
+def _within(node: Any, output: Any, at: Expression) -> Expression:
+    """1 within an image that is clipped, and 0 outside. Between texels inside and outside, an interpolated image fades."""
+    if node.interpolation == "Closest":
+        outside = maximum(less(at, 0.0), less(at.graph.constant(1.0), at))
+        return 1.0 - maximum(outside.x, outside.y)
+    size = at.graph.constant((*node.image.size, 1.0))
+    edges = clamp(minimum(at * size + 0.5, (1.0 - at) * size + 0.5))
+    found = edges.x * edges.y
+    # Cycles divides colors by an alpha that is linked, but those of data.
+    is_divided = output.name == "Color" and node.outputs["Alpha"].is_linked
+    if is_divided and node.image.colorspace_settings.name not in ("Non-Color", "Raw") and node.image.alpha_mode in ("STRAIGHT", "PREMUL"):
+        return less(at.graph.constant(0.0), found)
+    return found
 
 
 def _constant(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:

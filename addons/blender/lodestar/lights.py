@@ -125,6 +125,9 @@ def _constant(socket: Any) -> Optional[tuple[float, ...]]:
     if source is not None and source.node.type == "BLACKBODY" and not source.node.mute:
         temperature = _constant(source.node.inputs["Temperature"])
         return units.blackbody(temperature[0]) if temperature is not None else None
+    if source is not None and source.node.type == "LIGHT_FALLOFF" and source.name == "Quadratic" and not source.node.mute:
+        # The falloff that light has by itself, unless it is smoothed.
+        return _constant(source.node.inputs["Strength"]) if _constant(source.node.inputs["Smooth"]) == (0.0,) else None
     if source is not None and source.node.type not in ("RGB", "VALUE"):
         return None
     value = (source or socket).default_value

@@ -11,7 +11,7 @@ from typing import Any, Optional, Union
 from . import facets, hair_shaders, principled, subsurface, volumes, xml
 from .images import Images, Texture
 from .layouts import Layout, layout
-from .nodes import OF_EEVEE, Color, Reader, Surroundings
+from .nodes import Color, Reader, Surroundings, is_unknown
 from .report import Report
 from .volumes import Volume
 
@@ -71,7 +71,7 @@ def translate(material: Any, images: Images, report: Report, surroundings: Surro
 
 
 def _reader(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Reader:
-    return Reader(f'material "{material.name}"', report, images, surroundings=surroundings, material_index=material.pass_index)
+    return Reader(f'material "{material.name}"', report, images, surroundings=surroundings, material=material)
 
 
 def _translated(material: Any, reader: Reader) -> Material:
@@ -256,7 +256,7 @@ class _Translator:
         return handler(source.node, source.groups) if handler else self._unknown(source.node, source.groups)
 
     def _unknown(self, node: Any, groups: Groups) -> Closure:
-        if node.type in OF_EEVEE:
+        if is_unknown(node):
             self.reader.unsupported(node, "the surface")
             return Closure(diffuse(self.images, BLACK))
         color = node.inputs.get("Color")
@@ -276,23 +276,22 @@ class _Translator:
         color: Union[Color, Texture] = self.reader.color(node.inputs["Color"], groups)
         if not self.has_subsurface:
             return Closure(self.relief(diffuse(self.images, color), node, groups))
-        tint: Union[Color, Texture] = (1.0, 1.0, 1.0)
-        if isinstance(color, Texture):
-            tint = color.scaled((1.0 / subsurface.ALBEDO_BELOW_TEXTURES,) * 3)
-            color = (subsurface.ALBEDO_BELOW_TEXTURES,) * 3
-            self.reader.warn(
-                f"below a texture of colors, subsurface is a medium of the albedo {color[0]}, and the texture tints the light that enters it"
-            )
+        is_textured, albedo = isinstance(color, Texture), subsurface.ALBEDO_BELOW_TEXTURES
         scale = max(self.reader.constant(node.inputs["Scale"], groups), 0.0)
         radius = tuple(max(r, 0.0) * scale for r in self.reader.constant_color(node.inputs["Radius"], groups))
         # A method hides the sockets that it has no use for.
         sockets = (node.inputs.get("Anisotropy"), node.inputs.get("IOR"))
         cosine, ior = (self.reader.constant(s, groups) if s is not None else other for s, other in zip(sockets, (0.0, 1.4)))
-        if node.falloff == "BURLEY":
-            self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
-        below = subsurface.medium(color, radius, cosine, node.falloff, ior)  # type: ignore[arg-type]
+        below = subsurface.medium((albedo,) * 3 if is_textured else color, radius, cosine, node.falloff, ior)  # type: ignore[arg-type]
         if below is None:
             return Closure(self.relief(diffuse(self.images, color), node, groups))
+        if node.falloff == "BURLEY":
+            self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
+        if is_textured:
+            self.reader.warn(
+                f"below a texture of colors, subsurface is a medium of the albedo {albedo}, and the texture tints the light that enters it"
+            )
+        tint = color.scaled((1.0 / albedo,) * 3) if isinstance(color, Texture) else (1.0, 1.0, 1.0)
         # Light enters diffusely: Cycles bends it, but reflects none.
         entering = parameter(self.images, subsurface.transmitting(), "transmittance", tint)
         return Closure(self.relief(entering, node, groups), None, below)

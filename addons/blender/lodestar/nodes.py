@@ -6,6 +6,7 @@ import sys
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Optional, Union
 
+from . import clipping
 from .evaluator import Evaluator, convert
 from .images import MISSING, Images, Texture
 from .layouts import Layout
@@ -19,6 +20,11 @@ Value = Union[float, Color, Texture]
 QUANTITIES = {"TEX_COORD", "NEW_GEOMETRY", "OBJECT_INFO", "CAMERA", "HAIR_INFO"}
 # Types of nodes that EEVEE alone knows. In Cycles, a socket that they are linked to takes its default value.
 OF_EEVEE = {"SHADERTORGB", "EEVEE_SPECULAR"}
+
+
+def is_unknown(node: Any) -> bool:
+    """Whether Cycles does not know a node: one of EEVEE, or of an add-on that is not there."""
+    return node.type in OF_EEVEE or node.bl_idname == "NodeUndefined"
 
 
 class Source(NamedTuple):
@@ -61,7 +67,8 @@ class Reader:
     uv_maps: set[str] = field(default_factory=set)
     color_attributes: set[str] = field(default_factory=set)
     surroundings: Surroundings = field(default_factory=Surroundings)
-    material_index: int = 0
+    # Blender's material; None for a world.
+    material: Any = None
     # Heights of the material's displacement that are rendered as relief, with their factors.
     heights: list[tuple[float, Texture]] = field(default_factory=list)
     # Whether a node has asked for the object, and whether a displacement has asked for its scale.
@@ -142,8 +149,9 @@ class Reader:
         named = f'the node "{node.name}" ({node.bl_label})'
         if output is not None and node.type in QUANTITIES:
             named = f"the output {output.name} of {named}"
-        if node.type in OF_EEVEE:
-            self.report.note(self.place, f"{named} is EEVEE's alone; {use} takes its default value, as in Cycles")
+        if is_unknown(node):
+            whose = "EEVEE's alone" if node.type in OF_EEVEE else "of an unknown kind"
+            self.report.note(self.place, f"{named} is {whose}; {use} takes its default value, as in Cycles")
             return
         self.warn(f"{named} is not supported; {use} takes its default value")
 
@@ -272,10 +280,18 @@ class Reader:
         if to_uv is None:
             return None
         self.asked_of_strands.add("uv")
-        if self.layout is not None:
+        if self.layout is not None or node.extension == "CLIP" and not self._lies_within(node, to_uv, groups):
             return None
         texture = self.plain_image(node, channel)
         return None if texture is None else replace(texture, to_uv=to_uv)
+
+    def _lies_within(self, node: Any, to_uv: tuple[tuple[float, ...], ...], groups: tuple[Any, ...]) -> bool:
+        """Whether all that has the material lies within an image of it."""
+        source = self.source(node.inputs["Vector"], groups)
+        while source is not None and source.node is not None and source.node.type == "MAPPING":
+            source = self.source(source.node.inputs["Vector"], source.groups)
+        uv_map = source.node.uv_map if source is not None and source.node is not None and source.node.type == "UVMAP" else ""
+        return self.material is not None and not self.has_strands and clipping.lies_within(self.material, uv_map, to_uv)
 
     def is_missing(self, node: Any) -> bool:
         """Whether the node of an image has none that can be loaded. Cycles then shows magenta."""
@@ -294,8 +310,6 @@ class Reader:
             return None
         if node.projection != "FLAT":
             return None
-        if node.extension == "CLIP":
-            self.warn(f'the image "{image.name}" is extended instead of clipped')
         wrap = {"REPEAT": "repeat", "MIRROR": "mirror"}.get(node.extension, "clamp")
         interpolation = "nearest" if node.interpolation == "Closest" else "bilinear"
         texture = Texture(image=image, operations=(channel,), wrap=wrap, interpolation=interpolation)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, Optional, Union
 
-from . import facets, layers, subsurface, units, xml
+from . import facets, layers, normals, subsurface, units, xml
 from .images import Images, Texture
 from .limits import excess
 from .nodes import Color, Reader
@@ -149,22 +149,27 @@ class _Principled:
         if self.subsurface == 0.0 or self.metallic == 1.0 or self.transmission == 1.0:
             return None
         method = self.node.subsurface_method
-        if method == "BURLEY":
-            self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
-        if method == "RANDOM_WALK_SKIN":
-            self.reader.warn("light enters skin by the surface's roughness alone; it is up to 9 % darker than in Cycles")
-        color = self.base
-        if isinstance(color, Texture):
-            color = (subsurface.ALBEDO_BELOW_TEXTURES,) * 3
-            self.reader.warn(
-                f"below a texture of colors, subsurface is a medium of the albedo {color[0]}, and the texture tints the light that enters it"
-            )
+        color = self.base if not isinstance(self.base, Texture) else (subsurface.ALBEDO_BELOW_TEXTURES,) * 3
         scale = max(self._constant("Subsurface Scale"), 0.0)
         radius = tuple(max(r, 0.0) * scale for r in self.reader.constant_color(self.node.inputs["Subsurface Radius"], self.groups))
         # Christensen and Burley's method has no anisotropy.
         cosine = self._constant("Subsurface Anisotropy") if method != "BURLEY" else 0.0
         ior = self._constant("Subsurface IOR") if method == "RANDOM_WALK_SKIN" else self.ior
-        return subsurface.medium(color, radius, cosine, method, ior)  # type: ignore[arg-type]
+        found = subsurface.medium(color, radius, cosine, method, ior)  # type: ignore[arg-type]
+        if found is not None:
+            self._report_medium(method)
+        return found
+
+    def _report_medium(self, method: str) -> None:
+        if method == "BURLEY":
+            self.reader.warn("Christensen and Burley's subsurface is rendered as a random walk")
+        if method == "RANDOM_WALK_SKIN":
+            self.reader.warn("light enters skin by the surface's roughness alone; it is up to 9 % darker than in Cycles")
+        if isinstance(self.base, Texture):
+            albedo = subsurface.ALBEDO_BELOW_TEXTURES
+            self.reader.warn(
+                f"below a texture of colors, subsurface is a medium of the albedo {albedo}, and the texture tints the light that enters it"
+            )
 
     def _entering(self) -> xml.Element:
         """Surface through which light enters the medium below."""
@@ -427,7 +432,7 @@ def sheen(images: Images, color: Union[Color, Texture], roughness: Union[float, 
 
 def relief(reader: Reader, bsdf: xml.Element, socket: Any, groups: Groups) -> xml.Element:
     """BSDF with the bump or normal map that a Normal socket is linked to, and with the relief of the material's displacement."""
-    source = reader.source(socket, groups)
+    source = normals.source(reader, socket, groups)
     if source is None or source.node is None:
         return _bumped(reader, bsdf, reader.heights)
     node, groups = source.node, source.groups
