@@ -25,6 +25,8 @@ from .volumes import Volume
 SCENE_FILE = "scene.xml"
 # Objects without a surface. That of a curve, a text or a metaball is an instance of its own, of the type MESH.
 INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER", "CURVE", "SURFACE", "FONT", "META"}
+# Types of objects that Blender itself draws over the picture of any engine.
+DRAWN = {"GREASEPENCIL", "GPENCIL"}
 
 
 @dataclass
@@ -99,6 +101,8 @@ class _Exporter:
         # Suns with an angle, and emitters of lamps that rays of surfaces do not find in Cycles.
         self.suns: list[suns.Sun] = []
         self.unfound: set[int] = set()
+        # Names of the area lights among them.
+        self.unfound_areas: list[str] = []
         self.surfaces_emit = self.has_glass = False
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera if viewed is None else viewed.eye
@@ -188,7 +192,7 @@ class _Exporter:
             self._surface(Placed(owner, course.matrix, number), course, by)
         elif owner.type == "VOLUME" and self.layer.use_volumes:
             self._volume(owner, instance.matrix_world.copy())
-        elif owner.type not in INVISIBLE and owner.type not in ("MESH", "VOLUME", "CURVES"):
+        elif owner.type not in (*INVISIBLE, *DRAWN) and owner.type not in ("MESH", "VOLUME", "CURVES"):
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
 
     def _course(self, instance: Any) -> xml.Course:
@@ -206,6 +210,8 @@ class _Exporter:
         self.emitters.extend(emitters)
         if not lights.is_found(owner.data):
             self.unfound.update(map(id, emitters))
+            if owner.data.type == "AREA":
+                self.unfound_areas.append(owner.name)
         sun = suns.sun(owner.data, course.matrix, emitters)
         if sun is not None:
             self.suns.append(sun)
@@ -224,7 +230,9 @@ class _Exporter:
         """Replaces the points of lamps by disks, where a surface is so near that the soft falloff shows, and no mirror would show the disks."""
         lamps = [lamp for lamp, _, _ in self.soft_lamps]
         near = falloff.near_surfaces(lamps, self.depsgraph.object_instances)
-        has_mirror = bool(near) and any(falloff.is_mirror(bsdf) for each in definitions for bsdf in each.iter("bsdf"))
+        has_mirror = any(falloff.is_mirror(bsdf) for each in definitions for bsdf in each.iter("bsdf"))
+        for name in self.unfound_areas if has_mirror else ():
+            self.report.warn(f'light "{name}"', "an area light without Multiple Importance is not supported; mirrors show it")
         replaced: set[int] = set()
         for lamp, points, disks in self.soft_lamps:
             if lamp.name in near and has_mirror:

@@ -88,8 +88,6 @@ def is_found(light: Any) -> bool:
 def _report_unsupported(light: Any, place: str, report: Report) -> None:
     if not getattr(light, "normalize", True) and light.type in ("SUN", "SPOT") and not is_facing(light):
         report.warn(place, "a power that is not normalized by the area is not supported; it is taken as normalized")
-    if light.type == "AREA" and not is_found(light):
-        report.warn(place, "an area light without Multiple Importance is not supported; mirrors show it")
     if getattr(light, "use_shadow", True) is False:
         report.warn(place, "light without shadows is not supported")
 

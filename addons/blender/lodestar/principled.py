@@ -437,8 +437,9 @@ def relief(reader: Reader, bsdf: xml.Element, socket: Any, groups: Groups) -> xm
         return _bumped(reader, bsdf, reader.heights)
     node, groups = source.node, source.groups
     if node.type == "NORMAL_MAP":
-        if reader.heights:
-            reader.warn("displacement below a normal map is not supported; the normal map alone is rendered")
+        # Cycles mixes in the normals that the displacement makes where the map has not its full strength.
+        if reader.heights and reader.scalar(node.inputs["Strength"], groups) != 1.0:
+            reader.warn("displacement below a normal map that is not at full strength is not supported; the normal map alone is rendered")
         return _normal_map(reader, bsdf, node, groups)
     if node.type == "BUMP":
         return _bumped(reader, bsdf, _heights(reader, node, groups) + reader.heights)

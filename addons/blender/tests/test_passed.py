@@ -146,6 +146,25 @@ def no_radius_of_subsurface() -> Any:
     return with_square(skin, 0.0, "ShaderNodeSubsurfaceScattering")
 
 
+def relief_below_normal_map() -> Any:
+    """A displacement that is relief, below a normal map, which alone counts."""
+    scene = with_square(relief, None)
+    tree = bpy.data.materials["relief"].node_tree
+    noise, height = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeDisplacement")
+    output = next(each for each in tree.nodes if each.type == "OUTPUT_MATERIAL")
+    tree.links.new(noise.outputs[0], height.inputs["Height"])
+    tree.links.new(height.outputs[0], output.inputs["Displacement"])
+    return scene
+
+
+def area_without_mis() -> Any:
+    """An area light without Multiple Importance in front of the camera, above a glossy surface that is no mirror."""
+    scene = with_square(scenes.simple, "glossy", "ShaderNodeBsdfGlossy")
+    light = scenes.lamp(scene, "AREA", (0.8, 0, 1.5), (0.0, 0.6, 0.0), energy=30.0, size=0.6)
+    light.data.cycles.use_multiple_importance_sampling = False
+    return scene
+
+
 class UnknownNode(bpy.types.ShaderNode):
     bl_idname, bl_label = "UnknownNode", "Unknown"
 
@@ -170,7 +189,7 @@ def node_of_missing_addon() -> Any:
     return with_square(make)
 
 
-BUILDS = [passed_normals, falloff(), clipped_image, clipped_colors, image_within, no_radius, no_radius_of_subsurface, node_of_missing_addon]
+BUILDS = [passed_normals, falloff(), clipped_image, clipped_colors, image_within, no_radius, no_radius_of_subsurface, node_of_missing_addon, relief_below_normal_map, area_without_mis]
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=[build.__name__ for build in BUILDS])
@@ -198,8 +217,23 @@ def test_passed_normals_are_those_of_the_map(tmp_path: Path) -> None:
     assert files[2][1] == ['material "relief": the node "Vector Math" (Vector Math) is not supported; the surface keeps its normals']
 
 
+def test_blender_draws_strokes_itself(tmp_path: Path) -> None:
+    """Grease Pencil is drawn over the picture of any engine, if Blender has graphics here."""
+    scene = with_square(scenes.diffuse, "gray", (0.5, 0.5, 0.5))
+    plain = support.colors(support.render(scene, "CYCLES", 16, "plain"))
+    add = getattr(bpy.ops.object, "grease_pencil_add", None) or bpy.ops.object.gpencil_add
+    add(type="MONKEY", location=(0, 0, 1), rotation=(-1.57, 0, 0))
+    assert exported(tmp_path).report.warnings == []
+    theirs = support.colors(support.render(scene, "CYCLES", 64, "strokes"))
+    if support.deviation(theirs, plain, 8) > 0.1:
+        assert support.deviation(support.colors(support.render(scene, "LODESTAR", 64, "strokes")), theirs, 8) < 0.03
+
+
 def test_what_still_differs_is_named(tmp_path: Path) -> None:
-    """The twins of the scenes above: a smooth falloff, and subsurface with a radius."""
+    """The twins of the scenes above: a smooth falloff, subsurface with a radius, and a weaker normal map."""
+    relief_below_normal_map()
+    next(each for each in bpy.data.materials["relief"].node_tree.nodes if each.type == "NORMAL_MAP").inputs["Strength"].default_value = 0.5
+    assert len(exported(tmp_path).report.warnings) == 1
     falloff(1.0)()
     assert len(exported(tmp_path).report.warnings) == 1
     for kind in ("ShaderNodeBsdfPrincipled", "ShaderNodeSubsurfaceScattering"):

@@ -572,6 +572,7 @@ def linked_light(scene: Any) -> None:
 
 
 def without_mis(scene: Any) -> None:
+    scene.objects["ball"].data.materials[0] = scenes.simple("mirror", "ShaderNodeBsdfGlossy", Roughness=0.0)
     lamp(scene, "AREA", 1.0, (0, -9, 3)).data.cycles.use_multiple_importance_sampling = False
 
 
