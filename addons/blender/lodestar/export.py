@@ -104,6 +104,8 @@ class _Exporter:
         # Names of the area lights among them.
         self.unfound_areas: list[str] = []
         self.surfaces_emit = self.has_glass = False
+        # Whether the camera may see a surface or a lamp that emits.
+        self.emits_in_view = False
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera if viewed is None else viewed.eye
         self.motions = motion.Motions(depsgraph, self.camera, self.report)
@@ -223,8 +225,18 @@ class _Exporter:
         surfaces = [emitter for emitter in emitters if emitter.tag == "shape"]
         if owner.visible_camera:
             self.surfaces_emit |= bool(surfaces)
+            self.emits_in_view |= bool(surfaces) and self._may_see(course, lights.corners(owner.data))
         else:
             lights.hide(surfaces)
+
+    def _may_see(self, course: xml.Course, corners: Any) -> bool:
+        """Whether the camera may see what lies within some corners, if nothing hides it."""
+        from mathutils import Vector
+
+        if self.viewed is not None or course.keys or self.motions:
+            return True
+        places = [course.matrix @ Vector(corner) for corner in corners]
+        return camera.may_see(self.camera, self.depsgraph.scene_eval, places, 0.5 if self.camera.data.dof.use_dof else 0.1)
 
     def _soften_lamps(self, definitions: list[xml.Element]) -> None:
         """Replaces the points of lamps by disks, where a surface is so near that the soft falloff shows, and no mirror would show the disks."""
@@ -253,6 +265,8 @@ class _Exporter:
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
             self.report.warn(f'object "{owner.name}"', message)
+        if not is_unseen and any(self.materials[key].emission is not None for key in keys):
+            self.emits_in_view |= self._may_see(course, owner.bound_box)
         parts = self._mesh_parts(owner, keys, is_kept=instancer is None)
         shown = tuple((file, keys[part.slot], is_unseen) for part in parts for file in part.files)
         volume = self._volume_within(owner, keys)
@@ -430,7 +444,7 @@ class _Exporter:
 
     def _hides_emitters(self, scene: Any, environment: Optional[xml.Element]) -> bool:
         """Whether the camera sees no emitter: where the film is transparent, or there are lamps alone that it does not see."""
-        if scene.render.film_transparent and self.surfaces_emit:
+        if scene.render.film_transparent and self.emits_in_view:
             self.report.warn("scene", "with a transparent film, surfaces and lamps that emit are invisible to the camera")
         return scene.render.film_transparent or (environment is None and not self.surfaces_emit)
 

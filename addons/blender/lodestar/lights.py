@@ -70,6 +70,14 @@ def _tinted(light: Any, place: str, report: Report) -> Any:
 _STANDS = "the motion of suns, spots and lamps of radius 0 is not supported; it stands still"
 
 
+def corners(light: Any) -> list[tuple[float, float, float]]:
+    """Corners that a lamp lies within, in its own space."""
+    x = y = z = light.shadow_soft_size if light.type in ("POINT", "SPOT") else 0.0
+    if light.type == "AREA":
+        x, y = 0.5 * light.size, 0.5 * (light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size)
+    return [(a * x, b * y, c * z) for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)]
+
+
 def is_soft(light: Any) -> bool:
     """Whether Cycles takes a lamp for a disk that faces each lit point."""
     return light.type in ("POINT", "SPOT") and light.shadow_soft_size > 0.0 and getattr(light, "use_soft_falloff", False)

@@ -34,7 +34,8 @@ def with_square(make: Callable[..., Any], *arguments: Any) -> Any:
 def slopes() -> Any:
     """Image of normals that lean to the sides."""
     x = np.linspace(0.0, 1.0, 32)
-    return scenes.image("slopes", np.stack(np.broadcast_arrays(0.5 + 0.3 * np.sin(9.0 * x)[None, :], 0.4 + 0.3 * x[:, None], 0.9), axis=-1), "Non-Color")
+    parts = np.broadcast_arrays(0.5 + 0.3 * np.sin(9.0 * x)[None, :], 0.4 + 0.3 * x[:, None], 0.9)
+    return scenes.image("slopes", np.stack(parts, axis=-1), "Non-Color")
 
 
 def relief(scale: float | None = 1.0) -> Any:
@@ -165,6 +166,15 @@ def area_without_mis() -> Any:
     return scene
 
 
+def transparent_film(x: float = 3.5) -> Any:
+    """A transparent film, and a lamp with a radius and an emitting square, both beside the picture."""
+    scene = with_square(scenes.diffuse, "gray", (0.6, 0.6, 0.6))
+    scene.render.film_transparent = True
+    scenes.lamp(scene, "POINT", (x, 0, 2), energy=300.0, shadow_soft_size=0.3)
+    scenes.plane(scene, "source", 1.0, scenes.simple("light", "ShaderNodeEmission", Strength=20.0), location=(-x, 0, 0.5), rotation=(0, 1.4, 0))
+    return scene
+
+
 class UnknownNode(bpy.types.ShaderNode):
     bl_idname, bl_label = "UnknownNode", "Unknown"
 
@@ -189,7 +199,10 @@ def node_of_missing_addon() -> Any:
     return with_square(make)
 
 
-BUILDS = [passed_normals, falloff(), clipped_image, clipped_colors, image_within, no_radius, no_radius_of_subsurface, node_of_missing_addon, relief_below_normal_map, area_without_mis]
+BUILDS = [
+    passed_normals, falloff(), clipped_image, clipped_colors, image_within, no_radius, no_radius_of_subsurface, node_of_missing_addon,
+    relief_below_normal_map, area_without_mis, transparent_film,
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("build", BUILDS, ids=[build.__name__ for build in BUILDS])
@@ -230,11 +243,13 @@ def test_blender_draws_strokes_itself(tmp_path: Path) -> None:
 
 
 def test_what_still_differs_is_named(tmp_path: Path) -> None:
-    """The twins of the scenes above: a smooth falloff, subsurface with a radius, and a weaker normal map."""
+    """The twins of the scenes above: a smooth falloff, subsurface with a radius, a weaker normal map, and lamps in view."""
     relief_below_normal_map()
     next(each for each in bpy.data.materials["relief"].node_tree.nodes if each.type == "NORMAL_MAP").inputs["Strength"].default_value = 0.5
     assert len(exported(tmp_path).report.warnings) == 1
     falloff(1.0)()
+    assert len(exported(tmp_path).report.warnings) == 1
+    transparent_film(1.0)
     assert len(exported(tmp_path).report.warnings) == 1
     for kind in ("ShaderNodeBsdfPrincipled", "ShaderNodeSubsurfaceScattering"):
         with_square(skin, 0.2, kind)
