@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 import math
 from collections.abc import Callable
 
@@ -37,6 +38,24 @@ def _dot(a: Vector, b: Vector) -> Vector:
     return (sum(x * y for x, y in zip(a, b)),) * 3
 
 
+def _hsv(color: Vector) -> Vector:
+    most, least = max(color), min(color)
+    # Colors with negative channels may have no brightness.
+    return colorsys.rgb_to_hsv(*color) if most != 0.0 or least == 0.0 else (0.0, 0.0, 0.0)
+
+
+def _rgb(hsv: Vector) -> Vector:
+    """Color of a hue, as Cycles has it also for hues that are not between 0 and 1."""
+    hue, saturation, value = hsv
+    if saturation == 0.0:
+        return (value, value, value)
+    sector = 0.0 if hue == 1.0 else hue * 6.0
+    part = sector - math.floor(sector)
+    p, q, t = (value * (1.0 - saturation * share) for share in (1.0, part, 1.0 - part))
+    colors = ((value, t, p), (q, value, p), (p, value, t), (p, q, value), (t, p, value))
+    return colors[math.floor(sector)] if 0.0 <= sector < 5.0 else (value, p, q)
+
+
 # What is not listed is left to the renderer. Operands are finite, and values may be larger than `LARGEST`.
 FOLDED: dict[str, Callable[..., Vector]] = {
     "add": _each(lambda a, b: a + b),
@@ -56,5 +75,7 @@ FOLDED: dict[str, Callable[..., Vector]] = {
     "arctangent": _each(math.atan2),
     "mix": _each(lambda a, b, weight: (1.0 - weight) * a + weight * b),
     "dot": _dot,
+    "hsv_from_rgb": _hsv,
+    "rgb_from_hsv": _rgb,
     "combine": lambda x, y, z: (x[0], y[0], z[0]),
 }

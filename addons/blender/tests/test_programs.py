@@ -43,6 +43,17 @@ def text(value: Expression) -> list[float]:
     return [float(word) for words in words for word in words.replace(",", " ").split()]
 
 
+@pytest.mark.parametrize("color", [(0.8, 0.4, 0.2), (0.3, 0.3, 0.3), (3.0, 0.5, 1.0), (0.0, 0.0, 0.0), (-0.5, 0.0, -0.1)])
+def test_hues_of_constants_are_folded(color: tuple[float, float, float]) -> None:
+    """A color of constants is one, and comes back from its hue where it has no negative channel."""
+    graph = Graph()
+    hsv = graph.of("hsv_from_rgb", value=graph.constant(color))
+    back = graph.of("rgb_from_hsv", value=hsv)
+    assert hsv.is_constant and hsv.constant[2] == max(color)
+    assert min(color) < 0.0 or back.constant == pytest.approx(color)
+    assert not graph.of("hsv_from_rgb", value=graph.source("position")).is_constant
+
+
 def test_folded_constants_are_in_single_precision() -> None:
     """What is too large becomes the largest number, and the operations behind it take that."""
     graph = Graph()
