@@ -24,7 +24,7 @@ from .volumes import Volume
 
 SCENE_FILE = "scene.xml"
 # Objects without a surface. That of a curve, a text or a metaball is an instance of its own, of the type MESH.
-INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER", "CURVE", "SURFACE", "FONT", "META"}
+INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER", "CURVE", "SURFACE", "FONT", "META", "LIGHT_PROBE"}
 # Types of objects that Blender itself draws over the picture of any engine.
 DRAWN = {"GREASEPENCIL", "GPENCIL"}
 

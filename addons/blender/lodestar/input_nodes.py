@@ -218,7 +218,9 @@ def _layer_weight(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optio
 
 def _image(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
     if e.reader.is_missing(node):
-        return e.graph.constant(1.0 if output.name == "Alpha" else MISSING)
+        found = e.graph.constant(1.0 if output.name == "Alpha" else MISSING)
+        is_clipped = node.image is not None and node.extension == "CLIP"
+        return found * _within(node, output, e.value(node.inputs["Vector"], groups, lambda: uv(e))) if is_clipped else found
     texture = e.reader.plain_image(node, "alpha" if output.name == "Alpha" else "color")
     if texture is None:
         return None
@@ -233,7 +235,8 @@ def _within(node: Any, output: Any, at: Expression) -> Expression:
     if node.interpolation == "Closest":
         outside = maximum(less(at, 0.0), less(at.graph.constant(1.0), at))
         return 1.0 - maximum(outside.x, outside.y)
-    size = at.graph.constant((*node.image.size, 1.0))
+    # In Cycles, an image that is missing has one texel.
+    size = at.graph.constant([max(side, 1.0) for side in node.image.size] + [1.0])
     edges = clamp(minimum(at * size + 0.5, (1.0 - at) * size + 0.5))
     found = edges.x * edges.y
     # Cycles divides colors by an alpha that is linked, but those of data.

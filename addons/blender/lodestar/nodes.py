@@ -227,6 +227,8 @@ class Reader:
         if node.type in ("RGB", "VALUE"):
             return _default(source.socket)
         if node.type == "TEX_IMAGE" and self.is_missing(node):
+            if node.image is not None and node.extension == "CLIP":
+                return None
             return 1.0 if source.socket.name == "Alpha" else MISSING
         if node.type == "TEX_IMAGE":
             return self.image_texture(node, "alpha" if source.socket.name == "Alpha" else "color", groups)

@@ -116,6 +116,14 @@ def clipped_colors() -> Any:
     return with_square(picture, 2.0, -0.4, "sRGB")
 
 
+def clipped_missing_image() -> Any:
+    """An image that cannot be loaded: one magenta texel, which fades to its sides."""
+    scene = with_square(picture, 2.0, -0.4, "sRGB")
+    image = bpy.data.images["picture"]
+    image.source, image.filepath = "FILE", "/nowhere/gone.png"
+    return scene
+
+
 def image_within() -> Any:
     return with_square(picture, 0.5, 0.2)
 
@@ -200,8 +208,8 @@ def node_of_missing_addon() -> Any:
 
 
 BUILDS = [
-    passed_normals, falloff(), clipped_image, clipped_colors, image_within, no_radius, no_radius_of_subsurface, node_of_missing_addon,
-    relief_below_normal_map, area_without_mis, transparent_film,
+    passed_normals, falloff(), clipped_image, clipped_colors, clipped_missing_image, image_within, no_radius, no_radius_of_subsurface,
+    node_of_missing_addon, relief_below_normal_map, area_without_mis, transparent_film,
 ]  # fmt: skip
 
 
@@ -240,6 +248,14 @@ def test_blender_draws_strokes_itself(tmp_path: Path) -> None:
     theirs = support.colors(support.render(scene, "CYCLES", 64, "strokes"))
     if support.deviation(theirs, plain, 8) > 0.1:
         assert support.deviation(support.colors(support.render(scene, "LODESTAR", 64, "strokes")), theirs, 8) < 0.03
+
+
+def test_light_probes_are_not_named(tmp_path: Path) -> None:
+    """Probes serve EEVEE alone."""
+    scene = with_square(scenes.diffuse, "gray", (0.5, 0.5, 0.5))
+    bpy.ops.object.lightprobe_add(type="SPHERE" if bpy.app.version >= (4, 1, 0) else "CUBEMAP")
+    assert any(each.type == "LIGHT_PROBE" for each in scene.objects)
+    assert exported(tmp_path).report.warnings == []
 
 
 def test_what_still_differs_is_named(tmp_path: Path) -> None:
