@@ -21,9 +21,9 @@ const FIRST_SCALAR: usize = 3;
 /// Function of every kind: its result, its name before that of the kind, the result of kinds without it, and the arguments that
 /// it may name.
 const FUNCTIONS: [[&str; 4]; 4] = [
-    ["BsdfSample", "sample_bsdf", "NO_BSDF_SAMPLE", "vec3 wo, vec3 m, vec3 u"],
+    ["BsdfSample", "sample_bsdf", "NO_BSDF_SAMPLE", "vec3 wo, vec3 m, vec3 u, Filmed filmed"],
     ["float", "pdf_bsdf", "0.0", "vec3 wo, vec3 wi, float diffuse_density, Facet f"],
-    ["vec3", "eval_bsdf", "vec3(0.0)", "vec3 wo, vec3 wi, Facet f"],
+    ["vec3", "eval_bsdf", "vec3(0.0)", "vec3 wo, vec3 wi, Facet f, Filmed filmed"],
     ["float", "guided_part_bsdf", "0.0", ""],
 ];
 
@@ -164,6 +164,7 @@ impl<'a> Kind<'a> {
         for (glsl_type, argument) in parameters {
             arguments.push(match (*glsl_type, *argument) {
                 ("Bsdf", "b") => "b".into(),
+                ("Film", "film") => "b.film".into(),
                 (_, "b") => format!("{}_of(b)", snake_case(glsl_type)),
                 _ if known.contains(&format!("{glsl_type} {argument}")[..]) => (*argument).to_owned(),
                 _ => return Err(format!("{}: {name} has no argument {glsl_type} {argument}", self.file)),

@@ -112,6 +112,7 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         | bit(flags & constants::MATERIAL_WEIGHTED_BASE != 0, constants::FEATURE_WEIGHTED_BASE)
         | bit(flags & constants::MATERIAL_ENERGY_PRESERVING != 0, constants::FEATURE_ENERGY_PRESERVING)
         | bit(surface.sheen.is_some(), constants::FEATURE_SHEEN)
+        | bit(surface.film.is_some(), constants::FEATURE_FILM)
 }
 
 /// Record that starts empty and takes parameters one by one.
@@ -136,7 +137,9 @@ impl Writer {
     }
 
     fn color(&mut self, parameter: u32, color: &Textured<Vec3>) {
-        self.record.colors[(parameter - constants::PARAMETER_COLOR0) as usize] = color.value.extend(0.0).into();
+        let [red, green, blue] = color.value.into();
+        self.record.colors[(parameter - constants::PARAMETER_COLOR0) as usize][..3]
+            .copy_from_slice(&[red, green, blue]);
         self.link(parameter, color.texture);
     }
 
@@ -180,7 +183,7 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     let has_holes = surface.opacity != Textured::constant(1.0);
     writer.flag(constants::MATERIAL_HOLES, has_holes);
     writer.flag(constants::MATERIAL_LETS_THROUGH, has_holes || matches!(surface.bsdf, Bsdf::ThinDielectric { .. }));
-    let is_plain = !has_holes && surface.coating.is_none() && surface.sheen.is_none();
+    let is_plain = !has_holes && surface.coating.is_none() && surface.sheen.is_none() && surface.film.is_none();
     writer.flag(constants::MATERIAL_REFRACTS, is_plain && matches!(surface.bsdf, Bsdf::Dielectric { .. }));
     surface.bsdf.clone().visit(&mut |parameter, value| match value {
         Value::Color(color) => writer.color(parameter, color),
@@ -212,6 +215,11 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
         writer.link(constants::PARAMETER_SHEEN_REFLECTANCE, sheen.reflectance.texture);
         writer.record.coating_eta = sheen.roughness.value;
         writer.link(constants::PARAMETER_SHEEN_ROUGHNESS, sheen.roughness.texture);
+    }
+    if let Some(film) = surface.film {
+        writer.record.colors[0][3] = film.thickness.value;
+        writer.link(constants::PARAMETER_FILM_THICKNESS, film.thickness.texture);
+        writer.record.colors[1][3] = film.eta;
     }
     writer.record
 }

@@ -67,6 +67,8 @@ pub struct SurfaceMaterial {
     pub coating: Option<Coating>,
     /// `sheen`, on a surface without a `coating`.
     pub sheen: Option<Box<Sheen>>,
+    /// Thin film over a metal or a dielectric.
+    pub film: Option<Film>,
 }
 
 impl SurfaceMaterial {
@@ -83,16 +85,18 @@ impl SurfaceMaterial {
             scales_radiance: true,
             coating: None,
             sheen: None,
+            film: None,
         }
     }
 
-    /// Textures of the scattering function's parameters, of the sheen and of the opacity.
+    /// Textures of the scattering function's parameters, of the sheen, of the film and of the opacity.
     pub(super) fn parameter_textures_mut(&mut self) -> Vec<&mut u32> {
         let mut all = self.bsdf.textures_mut();
         all.push(&mut self.opacity.texture);
         if let Some(sheen) = &mut self.sheen {
             all.extend([&mut sheen.reflectance.texture, &mut sheen.roughness.texture]);
         }
+        all.extend(self.film.as_mut().map(|film| &mut film.thickness.texture));
         all.into_iter().flatten().collect()
     }
 
@@ -103,6 +107,7 @@ impl SurfaceMaterial {
         if let Some(sheen) = &mut self.sheen {
             all.extend([&mut sheen.reflectance.texture, &mut sheen.roughness.texture]);
         }
+        all.extend(self.film.as_mut().map(|film| &mut film.thickness.texture));
         let relief = self.relief.as_mut().map(|relief| match relief {
             Relief::Bump { texture, .. } | Relief::NormalMap { texture } => texture,
         });
@@ -160,6 +165,15 @@ pub struct Sheen {
     pub reflectance: Textured<Vec3>,
     /// Roughness, in [0, 1].
     pub roughness: Textured<f32>,
+}
+
+/// Thin film, whose two faces reflect light that interferes (Belcour and Barla 2017).
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Film {
+    /// Thickness in nanometers, >= 0. Where it is 0, there is no film.
+    pub thickness: Textured<f32>,
+    /// Index of refraction over that of the space above the surface, > 0.
+    pub eta: f32,
 }
 
 /// Distributions of microfacet normals.

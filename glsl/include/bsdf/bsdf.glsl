@@ -2,14 +2,17 @@
 // the side of `wo` where the surface is two-sided. A kind has up to four functions, which generated/bsdfs.glsl calls.
 // sample_bsdf_x draws a direction. pdf_bsdf_x is the density of that direction per steradian. eval_bsdf_x is f times |cos|. Both leave
 // out what is concentrated in single directions. guided_part_bsdf_x is the part of the samples in which a guide has a share.
+// What depends on a thin film over the surface is `filmed`.
 //
 // A guide may sample a diffuse lobe instead of the BSDF. `diffuse_density` is the density of `wi` under the lobe's sampler: the guide's
 // density if a guide samples the lobe, otherwise pdf_cosine_hemisphere(wi.z).
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 #include "bsdf/coating.glsl"
+#include "bsdf/film.glsl"
 #include "bsdf/sheen.glsl"
 #include "generated/bsdfs.glsl"
+#include "math/thin_film.glsl"
 
 const Facet NO_FACET = Facet(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
 
@@ -40,6 +43,30 @@ vec3 sample_facet(Bsdf b, vec3 wo, vec3 u) {
     return has_facets() ? sample_visible_normal(bsdf_microfacets(b, crosses), wo.z < 0.0 ? -wo : wo, u.xy) : NO_FACET.m;
 }
 
+// Whether all that the BSDF reflects in single directions is reflected by the whole surface, not by facets.
+bool is_smooth(Bsdf b) {
+    return is_kind(b, BSDF_CONDUCTOR) || is_kind(b, BSDF_DIELECTRIC) || is_kind(b, BSDF_PLASTIC);
+}
+
+// Reflectances of a surface under a film whose facets are met at this cosine. They are found once for all kinds. From behind, a dielectric
+// reflects as from the front at the angle to which light is refracted.
+Filmed film_over(Bsdf b, vec3 wo, float cos_facet) {
+    bool is_principled = is_kind(b, BSDF_PRINCIPLED);
+    bool is_metal = is_kind(b, BSDF_CONDUCTOR) || is_kind(b, BSDF_ROUGH_CONDUCTOR);
+    mat2x3 index = is_metal ? mat2x3(b.color1, b.color2) : mat2x3(vec3(facets_of(b).eta), vec3(0.0));
+    float cos_o = cos_facet >= 0.0 ? cos_facet : fresnel_dielectric(cos_facet, index[0].x).cos_t;
+    int count = is_principled || is_kind(b, BSDF_PLASTIC) || is_kind(b, BSDF_ROUGH_PLASTIC) ? 2 : 1;
+    Filmed filmed = NO_FILMED;
+    for (int i = 0; i < count; ++i) {
+        vec3 reflectance = film_reflectance(cos_o, b.film.eta, b.film.thickness, index[0], index[1]);
+        if (i == 0) filmed.facet = reflectance;
+        filmed.other = reflectance;
+        if (is_principled) index = metal_index(b.color0);
+        else cos_o = wo.z;
+    }
+    return filmed;
+}
+
 // Whether the BSDF is a plastic whose base has a weight.
 bool is_weighted_plastic(Bsdf b) {
     return (is_kind(b, BSDF_PLASTIC) || is_kind(b, BSDF_ROUGH_PLASTIC)) && has_weighted_base(plastic_of(b));
@@ -66,7 +93,9 @@ BsdfSample without_scaling(Bsdf b, BsdfSample s) {
 
 // Samples a BSDF without its coating and its sheen. u.xy draws the direction, u.z selects the lobe.
 BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
-    return without_scaling(b, sample_bsdf_of_kind(b, wo, sample_facet(b, wo, u), u));
+    Filmed filmed = NO_FILMED;
+    if (is_filmed(b.film) && is_smooth(b)) filmed = film_over(b, wo, wo.z);
+    return without_scaling(b, sample_bsdf_of_kind(b, wo, sample_facet(b, wo, u), u, filmed));
 }
 
 float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
@@ -74,7 +103,10 @@ float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
 }
 
 vec3 eval_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi) {
-    vec3 value = eval_bsdf_of_kind(b, wo, wi, bsdf_facet(b, wo, wi));
+    Facet f = bsdf_facet(b, wo, wi);
+    Filmed filmed = NO_FILMED;
+    if (is_filmed(b.film)) filmed = film_over(b, wo, is_smooth(b) ? wo.z : dot(wo, f.m));
+    vec3 value = eval_bsdf_of_kind(b, wo, wi, f, filmed);
     if (is_unscaled(b) && wo.z * wi.z < 0.0) {
         float eta = facets_of(b).eta;
         value *= wo.z > 0.0 ? eta * eta : 1.0 / (eta * eta);

@@ -1,6 +1,7 @@
 // Smooth metal.
 #ifndef BSDF_CONDUCTOR_GLSL
 #define BSDF_CONDUCTOR_GLSL
+#include "bsdf/film.glsl"
 #include "bsdf/parameters.glsl"
 #include "math/fresnel.glsl"
 
@@ -14,8 +15,13 @@ struct Conductor {
     COLOR(2) vec3 k;                     // imaginary part of the index of refraction
 };
 
-BsdfSample sample_bsdf_conductor(Conductor b, vec3 wo, vec3 u) {
-    vec3 weight = b.specular_reflectance * fresnel_conductor(wo.z, b.eta, b.k);
+// Reflectance of a metal.
+vec3 conductor_reflectance(Conductor b, float cos_o, Film film, Filmed filmed) {
+    return is_filmed(film) ? filmed.facet : fresnel_conductor(cos_o, b.eta, b.k);
+}
+
+BsdfSample sample_bsdf_conductor(Conductor b, vec3 wo, vec3 u, Film film, Filmed filmed) {
+    vec3 weight = b.specular_reflectance * conductor_reflectance(b, wo.z, film, filmed);
     return BsdfSample(vec3(-wo.xy, wo.z), wo.z > 0.0 ? LOBE_DELTA : LOBE_NONE, weight, 1.0);
 }
 

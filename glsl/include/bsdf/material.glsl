@@ -35,6 +35,8 @@ Bsdf untextured_bsdf(uint material) {
     b.sheen = NO_SHEEN;
     b.sheen_lobe = NO_SHEEN_LOBE;
     if (has_feature(FEATURE_SHEEN)) b.sheen = sheen(material);
+    b.film = NO_FILM;
+    if (has_feature(FEATURE_FILM)) b.film = Film(material_colors(material, 0u).w, material_colors(material, 1u).w);
     return b;
 }
 

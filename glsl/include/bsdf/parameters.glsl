@@ -21,6 +21,14 @@ struct Sheen {
 
 const Sheen NO_SHEEN = Sheen(vec3(0.0), 0.0, 0.0);
 
+// Thin film over a surface that reflects.
+struct Film {
+    float thickness;  // in nanometers; 0 where there is no film
+    float eta;        // index of refraction over that of the space above
+};
+
+const Film NO_FILM = Film(0.0, 1.0);
+
 // Sheen as it is seen from one direction.
 struct SheenLobe {
     vec3 albedo;        // share of light that the sheen reflects
@@ -51,6 +59,7 @@ struct Bsdf {
     Coating coating;      // valid for a material with MATERIAL_COATED
     Sheen sheen;          // valid for a material with MATERIAL_SHEEN
     SheenLobe sheen_lobe; // as the surface is seen
+    Film film;
 };
 
 // Parameters of every kind with microfacets. The principled kinds have a roughness and a stretch in place of alpha.

@@ -1,6 +1,7 @@
 // Smooth dielectric layer over a diffuse base.
 #ifndef BSDF_PLASTIC_GLSL
 #define BSDF_PLASTIC_GLSL
+#include "bsdf/film.glsl"
 #include "bsdf/parameters.glsl"
 #include "bsdf/rough_diffuse.glsl"
 #include "math/direction.glsl"
@@ -33,8 +34,9 @@ vec3 weighted_base(Plastic b) {
     return b.base_weight * b.diffuse_reflectance;
 }
 
-// What a weighted base reflects: f cos.
-vec3 weighted_base_reflection(Plastic b, vec3 wo, vec3 wi) {
+// What a weighted base reflects: f cos. A film keeps from it what it reflects most, as in Cycles.
+vec3 weighted_base_reflection(Plastic b, vec3 wo, vec3 wi, Film film, Filmed filmed) {
+    if (is_filmed(film)) b.base_weight *= 1.0 - max_component(filmed.other);
     if (has_feature(FEATURE_ENERGY_PRESERVING) && b.rough_base) {
         return b.base_weight * energy_preserving_reflection(b.diffuse_reflectance, b.base_roughness, wo, wi);
     }
@@ -60,23 +62,24 @@ float plastic_specular_probability(Plastic b, float reflectance) {
     return min(specular / max(specular + diffuse, 1.0e-20), 1.0);
 }
 
-BsdfSample sample_bsdf_plastic(Plastic b, vec3 wo, vec3 u) {
+BsdfSample sample_bsdf_plastic(Plastic b, vec3 wo, vec3 u, Film film, Filmed filmed) {
     if (wo.z <= 0.0) return NO_BSDF_SAMPLE;
-    float reflectance = fresnel_dielectric(wo.z, b.eta).reflectance;
-    float specular = plastic_specular_probability(b, reflectance);
+    DielectricInterface i = filmed_interface(wo.z, b.eta, film);
+    float specular = plastic_specular_probability(b, i.reflectance);
     if (u.z >= specular) return BsdfSample(sample_cosine_hemisphere(u.xy), LOBE_DIFFUSE, vec3(0.0), 1.0);
-    return BsdfSample(vec3(-wo.xy, wo.z), LOBE_DELTA, b.specular_reflectance * (reflectance / specular), 1.0);
+    vec3 weight = b.specular_reflectance * (filmed_reflectance(i, film, filmed) / specular);
+    return BsdfSample(vec3(-wo.xy, wo.z), LOBE_DELTA, weight, 1.0);
 }
 
-float pdf_bsdf_plastic(Plastic b, vec3 wo, vec3 wi, float diffuse_density) {
+float pdf_bsdf_plastic(Plastic b, vec3 wo, vec3 wi, float diffuse_density, Film film) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
-    float reflectance = fresnel_dielectric(wo.z, b.eta).reflectance;
+    float reflectance = filmed_interface(wo.z, b.eta, film).reflectance;
     return (1.0 - plastic_specular_probability(b, reflectance)) * diffuse_density;
 }
 
-vec3 eval_bsdf_plastic(Plastic b, vec3 wo, vec3 wi) {
+vec3 eval_bsdf_plastic(Plastic b, vec3 wo, vec3 wi, Film film, Filmed filmed) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    if (has_weighted_base(b)) return weighted_base_reflection(b, wo, wi);
+    if (has_weighted_base(b)) return weighted_base_reflection(b, wo, wi, film, filmed);
     float transmitted_o = 1.0 - fresnel_dielectric(wo.z, b.eta).reflectance;
     float transmitted_i = 1.0 - fresnel_dielectric(wi.z, b.eta).reflectance;
     return plastic_base(b) * (INV_PI * wi.z * transmitted_o * transmitted_i);

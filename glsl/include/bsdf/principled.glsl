@@ -1,6 +1,7 @@
 // Principled BSDF (Burley 2012 and 2015), with the lobes and lobe probabilities of Mitsuba 3's `principled`.
 #ifndef BSDF_PRINCIPLED_GLSL
 #define BSDF_PRINCIPLED_GLSL
+#include "bsdf/film.glsl"
 #include "bsdf/parameters.glsl"
 #include "bsdf/rough_dielectric.glsl"
 #include "math/constants.glsl"
@@ -71,16 +72,17 @@ float schlick_weight_between(float cos_o, float eta) {
 }
 
 // Fresnel reflectance of the facets. From the front it mixes a dielectric, a tinted dielectric and a metal. From behind
-// it is the dielectric's reflectance times the weight of the transmitting lobe.
-vec3 principled_fresnel(Principled b, vec3 wo, float cos_o, float dielectric) {
+// it is the dielectric's reflectance times the weight of the transmitting lobe. A film takes the place of all tints.
+vec3 principled_fresnel(Principled b, vec3 wo, float cos_o, vec3 dielectric, Film film, Filmed filmed) {
     float eta = b.eta;
     float relative = cos_o >= 0.0 ? eta : 1.0 / eta;
     float head_on = (relative - 1.0) / (relative + 1.0);
     float weight = schlick_weight_between(cos_o, eta);
     vec3 metal = mix(b.base_color, vec3(1.0), weight);
     vec3 tinted = mix(principled_tint(b) * (head_on * head_on), vec3(1.0), weight);
-    vec3 front = mix(mix(vec3(dielectric), tinted, b.spec_tint), metal, b.metallic);
-    return wo.z > 0.0 ? front : vec3(principled_bsdf(b) * dielectric);
+    vec3 front = mix(mix(dielectric, tinted, b.spec_tint), metal, b.metallic);
+    if (is_filmed(film)) front = mix(dielectric, filmed.other, b.metallic);
+    return wo.z > 0.0 ? front : principled_bsdf(b) * dielectric;
 }
 
 // ------------------------------------------------------------------------------------------------------- clear coat
@@ -165,9 +167,9 @@ bool is_facet_compatible(vec3 wo, vec3 wi, vec3 m) {
 }
 
 // Samples the principled BSDF. `m` is a visible normal.
-BsdfSample sample_bsdf_principled(Principled b, vec3 wo, vec3 m, vec3 u) {
+BsdfSample sample_bsdf_principled(Principled b, vec3 wo, vec3 m, vec3 u, Film film) {
     float cos_o = dot(wo, m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
+    DielectricInterface i = filmed_interface(cos_o, b.eta, film);
     PrincipledLobes lobes = principled_lobes(b, wo, i.reflectance);
     float to_clearcoat = lobes.diffuse + lobes.clearcoat;
     bool crosses = u.z >= to_clearcoat && u.z < to_clearcoat + lobes.transmission;
@@ -183,11 +185,11 @@ BsdfSample sample_bsdf_principled(Principled b, vec3 wo, vec3 m, vec3 u) {
     return BsdfSample(wi, lobe, vec3(0.0), crosses ? i.eta : 1.0);
 }
 
-float pdf_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f) {
+float pdf_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f, Film film) {
     if (!is_principled_visible(b, wo)) return 0.0;
     float cos_o = dot(wo, f.m);
     float cos_i = dot(wi, f.m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
+    DielectricInterface i = filmed_interface(cos_o, b.eta, film);
     PrincipledLobes lobes = principled_lobes(b, wo, i.reflectance);
     float transmitted = f.density / f.area * abs(cos_o * cos_i) * (i.eta * i.eta) * transmitted_jacobian(wo, wi, f.m, i.eta);
     if (wo.z * wi.z <= 0.0) return wo.z * wi.z < 0.0 ? lobes.transmission * transmitted : 0.0;
@@ -197,30 +199,35 @@ float pdf_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f) {
 }
 
 // f |cos wi| of light that stays on its side of the surface.
-vec3 eval_principled_reflection(Principled b, vec3 wo, vec3 wi, Facet f, float dielectric) {
+vec3 eval_principled_reflection(Principled b, vec3 wo, vec3 wi, Facet f, float dielectric, Film film, Filmed filmed) {
     vec3 value = vec3(0.0);
     float cos_o = dot(wo, f.m);
     if (is_facet_compatible(wo, wi, f.m)) {
         // Equal refractive indices switch metals off, too, as in Mitsuba.
-        if (b.eta != 1.0) value = principled_fresnel(b, wo, cos_o, dielectric) * reflected_light(f);
+        vec3 reflectance = is_filmed(film) ? filmed.facet : vec3(dielectric);
+        if (b.eta != 1.0) value = principled_fresnel(b, wo, cos_o, reflectance, film, filmed) * reflected_light(f);
         if (wo.z > 0.0) value += eval_clearcoat(b, wo, wi, f.m);
     }
     if (wo.z > 0.0) {
         float cos_d = dot(wi, f.m);
-        value += b.base_color * (principled_brdf(b) * principled_diffuse(b, wo, wi, cos_d) * wi.z);
+        float diffuse = principled_brdf(b) * principled_diffuse(b, wo, wi, cos_d) * wi.z;
+        // The base loses what the film reflects more than the surface without it.
+        if (is_filmed(film)) diffuse *= min((1.0 - max_component(filmed.facet)) / max(1.0 - dielectric, 1.0e-6), 1.0);
+        value += b.base_color * diffuse;
         value += principled_sheen(b, cos_d) * wi.z;
     }
     return value;
 }
 
-vec3 eval_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f) {
+vec3 eval_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f, Film film, Filmed filmed) {
     if (!is_principled_visible(b, wo)) return vec3(0.0);
     float cos_o = dot(wo, f.m);
     DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     float side = wo.z * wi.z;
-    if (side > 0.0) return eval_principled_reflection(b, wo, wi, f, i.reflectance);
+    if (side > 0.0) return eval_principled_reflection(b, wo, wi, f, i.reflectance, film, filmed);
     float transmitted = f.density * f.masking * abs(cos_o * dot(wi, f.m)) * transmitted_jacobian(wo, wi, f.m, i.eta);
-    return side < 0.0 ? sqrt(b.base_color) * (principled_bsdf(b) * (1.0 - i.reflectance) * transmitted) : vec3(0.0);
+    vec3 reflectance = filmed_reflectance(i, film, filmed);
+    return side < 0.0 ? sqrt(b.base_color) * (principled_bsdf(b) * (1.0 - reflectance) * transmitted) : vec3(0.0);
 }
 
 float guided_part_bsdf_principled(Principled b) {

@@ -2,7 +2,6 @@
 #ifndef BSDF_ROUGH_CONDUCTOR_GLSL
 #define BSDF_ROUGH_CONDUCTOR_GLSL
 #include "bsdf/conductor.glsl"
-#include "math/fresnel.glsl"
 #include "math/microfacet.glsl"
 
 // Number of the kind.
@@ -18,9 +17,9 @@ float pdf_bsdf_rough_conductor(Conductor b, vec3 wo, vec3 wi, Facet f) {
     return min(wo.z, wi.z) > 0.0 ? reflected_density(f) : 0.0;
 }
 
-vec3 eval_bsdf_rough_conductor(Conductor b, vec3 wo, vec3 wi, Facet f) {
+vec3 eval_bsdf_rough_conductor(Conductor b, vec3 wo, vec3 wi, Facet f, Film film, Filmed filmed) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    return b.specular_reflectance * fresnel_conductor(dot(wo, f.m), b.eta, b.k) * reflected_light(f);
+    return b.specular_reflectance * conductor_reflectance(b, dot(wo, f.m), film, filmed) * reflected_light(f);
 }
 
 float guided_part_bsdf_rough_conductor(Facets b) {

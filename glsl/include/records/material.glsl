@@ -11,7 +11,7 @@ struct MaterialRecord {
     uint material0;            // first material of a blend or of two sides
     uint material1_or_relief;  // second material; otherwise the texture of a bump or normal map, or NONE
     float relief_scale;        // factor of a bump map's heights
-    vec4 colors[3];            // colors; the fourth component is unused
+    vec4 colors[3];            // colors; the fourth components of the first two are the thickness of a film and its index of refraction
     vec4 scalars[3];           // scalar parameters
     uvec4 links[2];            // links from parameters to textures: parameter << LINK_PARAMETER_SHIFT | texture, or NONE
     vec3 optical_thickness;    // optical thickness of the coating, or reflectance of the sheen

@@ -146,6 +146,7 @@ const uint FEATURE_REFRACTED_CONNECTIONS = 65536u;
 const uint FEATURE_UNSCALED = 131072u;
 const uint FEATURE_RELIEF_UNSHADOWED = 262144u;
 const uint FEATURE_RELIEF_RAISED = 524288u;
+const uint FEATURE_FILM = 1048576u;
 
 // Flags of a volume. One without VOLUME_COLORS has numbers, one without VOLUME_NEAREST is interpolated between its voxels.
 const uint VOLUME_COLORS = 1u;
@@ -256,6 +257,8 @@ const uint PARAMETER_SCALAR0 = 3u;
 // Numbers of the parameters of a sheen, which follow those of all BSDFs.
 const uint PARAMETER_SHEEN_REFLECTANCE = 15u;
 const uint PARAMETER_SHEEN_ROUGHNESS = 16u;
+// Number of the thickness of a thin film.
+const uint PARAMETER_FILM_THICKNESS = 17u;
 
 // Position of the page number in a texel word's address: the page is address >> TEXEL_PAGE_SHIFT.
 const uint TEXEL_PAGE_SHIFT = 30u;

@@ -50,6 +50,7 @@ void scale_parameter(inout Bsdf b, uint parameter, vec3 color) {
     if (is_textured(PARAMETER_COLOR0 + 2u)) b.color2 *= parameter == PARAMETER_COLOR0 + 2u ? color : one;
     if (is_textured(PARAMETER_SHEEN_REFLECTANCE)) b.sheen.reflectance *= parameter == PARAMETER_SHEEN_REFLECTANCE ? color : one;
     if (is_textured(PARAMETER_SHEEN_ROUGHNESS)) b.sheen.roughness *= parameter == PARAMETER_SHEEN_ROUGHNESS ? luminance(color) : 1.0;
+    if (is_textured(PARAMETER_FILM_THICKNESS)) b.film.thickness *= parameter == PARAMETER_FILM_THICKNESS ? luminance(color) : 1.0;
     if ((TEXTURED_PARAMETERS & ~COLOR_PARAMETERS) == 0u) return;
     float number = luminance(color);
     uint scalar = parameter - PARAMETER_SCALAR0;

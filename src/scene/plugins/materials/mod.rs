@@ -1,5 +1,6 @@
 //! Conversion of BSDFs to [`Material`]s.
 
+mod film;
 mod hair;
 mod ior;
 mod lobes;
@@ -236,7 +237,8 @@ impl<'a> Materials<'a> {
         let tree = match surfaces::parse(&mut parameters)? {
             Some(bsdf) => {
                 let scales_radiance = scales_radiance(&mut parameters, &bsdf)?;
-                Tree::Surface(SurfaceMaterial { scales_radiance, ..SurfaceMaterial::plain(bsdf) })
+                let film = film::film(&mut parameters, &bsdf)?;
+                Tree::Surface(SurfaceMaterial { scales_radiance, film, ..SurfaceMaterial::plain(bsdf) })
             }
             None => modify(&mut parameters, parts)?,
         };
