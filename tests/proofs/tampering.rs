@@ -65,6 +65,7 @@ const FAULTS: &[Fault] = &[
     kernels("bright samples with a smaller weight", PICTURES, OWN_CELLS),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("a sheen that gains energy", DIRECTIONS, MIX),
+    kernels("a film that turns no phase", DIRECTIONS, MIX),
     kernels("a lobe of hair with another width around the fiber", DIRECTIONS, MIX),
     kernels("samples of hair with another width around the fiber", DIRECTIONS, MIX),
     kernels("samples of a measured material that are all alike", DIRECTIONS, MIX),

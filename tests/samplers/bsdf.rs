@@ -23,13 +23,13 @@ const LAST: f32 = 1.0 - 1.0 / 16_777_216.0;
 
 fn conductor(row: &Row) -> Conductor {
     let [specular_reflectance, eta, k] = ["specular_reflectance", "eta", "k"].map(|name| row.vector(name));
-    Conductor { specular_reflectance, eta, k }
+    Conductor { specular_reflectance, eta, k, film: None }
 }
 
 fn dielectric(row: &Row) -> Dielectric {
     let [specular_reflectance, specular_transmittance] =
         ["specular_reflectance", "specular_transmittance"].map(|name| row.vector(name));
-    Dielectric { eta: row.number("eta"), specular_reflectance, specular_transmittance }
+    Dielectric { eta: row.number("eta"), specular_reflectance, specular_transmittance, film: None }
 }
 
 fn facets(row: &Row) -> Microfacets {
@@ -61,6 +61,7 @@ fn substance(row: &Row) -> Substance {
                 facets,
                 base_weight,
                 base_roughness: 0.0,
+                film: None,
             })
         }
         "hair" => Substance::Hair(Hair {
@@ -259,11 +260,13 @@ fn extremes() -> Vec<Substance> {
         specular_reflectance: DVec3::ONE,
         eta: DVec3::splat(eta),
         k: DVec3::splat(k),
+        film: None,
     });
     let glasses = [1.0, 1.0001, 0.3, 4.0].map(|eta| Dielectric {
         eta,
         specular_reflectance: DVec3::ONE,
         specular_transmittance: DVec3::ONE,
+        film: None,
     });
     let mut all: Vec<_> = metals.map(Substance::Conductor).into();
     all.extend(glasses.map(Substance::Dielectric));

@@ -9,6 +9,7 @@ mod camera;
 mod direction_map;
 mod directions;
 mod environments;
+mod film;
 mod fixture;
 mod guides;
 mod instances;

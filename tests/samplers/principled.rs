@@ -20,6 +20,7 @@ fn principled(row: &Row) -> Principled {
         flatness: row.number("flatness"),
         clearcoat: row.number("clearcoat"),
         clearcoat_gloss: row.number("clearcoat_gloss"),
+        film: None,
     }
 }
 

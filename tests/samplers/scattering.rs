@@ -295,12 +295,16 @@ fn asymmetry(surface: &Surface, twist: f64) -> f64 {
     pairs.map(deviation).fold(0.0, f64::max)
 }
 
-/// Reflection is reciprocal for the twins, which agree with the device. Sheen and hair, which follow the viewer's direction alone, are not. Nor
-/// are interpolated tables.
+/// Reflection is reciprocal for the twins, which agree with the device. Sheen, hair and the base of a plastic under a film, which follow the
+/// viewer's direction alone, are not. Nor are interpolated tables.
 #[test]
 fn reflection_is_reciprocal() {
     let is_one_way = |s: &Surface| {
-        s.sheen.is_some() || matches!(s.base, Base::Substance(Substance::Hair(_) | Substance::Measured(..)))
+        let is_filmed_plastic =
+            |b: &Substance| matches!(b, Substance::Plastic(_) | Substance::PolarizedPlastic(_)) && b.film().is_some();
+        s.sheen.is_some()
+            || matches!(&s.base, Base::Substance(Substance::Hair(_) | Substance::Measured(..)))
+            || matches!(&s.base, Base::Substance(b) if is_filmed_plastic(b))
     };
     let (one_way, others): (Vec<_>, Vec<_>) = surfaces().into_iter().partition(is_one_way);
     assert!(one_way.iter().all(|s| asymmetry(s, 0.0) > 1.0e-2));

@@ -155,7 +155,8 @@ const ALPHA: f64 = 0.3;
 const PART: f64 = ALPHA / 0.4;
 
 fn metal() -> Surface {
-    let metal = Conductor { specular_reflectance: DVec3::splat(0.9), eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
+    let metal =
+        Conductor { specular_reflectance: DVec3::splat(0.9), eta: DVec3::splat(0.9), k: DVec3::splat(2.5), film: None };
     let facets = Microfacets::new([ALPHA; 2], true);
     Surface::plain("metal", Base::Substance(Substance::RoughConductor(metal, facets)))
 }

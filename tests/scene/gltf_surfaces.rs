@@ -184,3 +184,61 @@ fn bodies_absorb() {
         assert_eq!((share, sheet.media.all.len()), (Some(expected), 0));
     }
 }
+
+/// Film over a surface, and the texture of its thickness at its middle, in nanometers.
+fn film_of(scene: &Scene, material: usize) -> Option<(f32, f64)> {
+    let film = surface(scene, material).film?;
+    let texture = film
+        .thickness
+        .texture
+        .map_or(1.0, |texture| sample(&scene.textures[texture as usize], &scene.images, DVec2::splat(0.5)).x);
+    Some((film.eta, f64::from(film.thickness.value) * texture))
+}
+
+/// `KHR_materials_iridescence` is a film, of which a factor below 1 covers a part.
+#[test]
+fn iridescence_is_a_film() {
+    let with = |iridescence: Value| {
+        let mut model = square();
+        model["extensionsUsed"] = json!(["KHR_materials_iridescence"]);
+        model["images"] = json!([{"uri": png_uri([51, 153, 0, 255])}]);
+        model["textures"] = json!([{"source": 0}]);
+        model["materials"][0]["extensions"] = json!({"KHR_materials_iridescence": iridescence});
+        let scene = read(&model).unwrap();
+        assert!(scene.warnings.iter().all(|warning| !warning.contains("iridescence")), "{:?}", scene.warnings);
+        scene
+    };
+    let whole = |scene: &Scene| film_of(scene, scene.primitives[0].material as usize);
+    assert_eq!(whole(&with(json!({}))), None);
+    assert_eq!(whole(&with(json!({"iridescenceFactor": 0.0, "iridescenceThicknessMaximum": 300.0}))), None);
+    assert_eq!(whole(&with(json!({"iridescenceFactor": 1.0}))), Some((1.3, 400.0)));
+    let given = json!({"iridescenceFactor": 1.0, "iridescenceIor": 1.8, "iridescenceThicknessMaximum": 250.0});
+    assert_eq!(whole(&with(given)), Some((1.8, 250.0)));
+    // Green is 0.6, so the thickness is 0.4 of the least and 0.6 of the most.
+    for (least, most) in [(100.0, 400.0), (500.0, 200.0)] {
+        let textured = json!({
+            "iridescenceFactor": 1.0,
+            "iridescenceThicknessMinimum": least,
+            "iridescenceThicknessMaximum": most,
+            "iridescenceThicknessTexture": {"index": 0},
+        });
+        let (_, thickness) = whole(&with(textured)).expect("a film");
+        assert!((thickness - (0.4 * least + 0.6 * most)).abs() < 2.0, "{thickness}");
+    }
+    for (part, texture) in [(0.25, json!(null)), (0.5, json!({"index": 0}))] {
+        let mut partial = json!({"iridescenceFactor": part});
+        if !texture.is_null() {
+            partial["iridescenceTexture"] = texture;
+        }
+        let scene = with(partial);
+        let blend = scene.materials.iter().find_map(|material| match &material.kind {
+            MaterialKind::Blend { weight, materials } => Some((*weight, *materials)),
+            _ => None,
+        });
+        let (weight, materials) = blend.expect("a blend");
+        assert_eq!(weight.value, part as f32);
+        assert_eq!(weight.texture.is_some(), part == 0.5);
+        let films = materials.map(|material| film_of(&scene, material as usize).is_some());
+        assert_eq!(films, [false, true]);
+    }
+}

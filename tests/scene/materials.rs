@@ -1,7 +1,7 @@
 //! One small file per BSDF plugin, and the effect of every parameter.
 
 use glam::Vec3;
-use lodestar::scene::bsdf::{Coating, Distribution, Microfacets, Principled, Relief, ReliefRules, Sheen};
+use lodestar::scene::bsdf::{Coating, Distribution, Film, Microfacets, Principled, Relief, ReliefRules, Sheen};
 use lodestar::scene::{Bsdf, Material, MaterialKind, Scene, SurfaceMaterial, Textured};
 
 use super::{Folder, load_body, with_sensor};
@@ -364,6 +364,33 @@ fn sheens() {
         refuse(&format!(r#"<bsdf type="sheen">{inside}</bsdf>"#), &[part]);
     }
     refuse(r#"<bsdf type="coating"><bsdf type="sheen"/></bsdf>"#, &["around a `sheen`"]);
+}
+
+#[test]
+fn films() {
+    let given = r#"<float name="film_thickness" value="300"/><float name="film_eta" value="1.8"/>"#;
+    let weighted = r#"<float name="base_weight" value="0.7"/>"#;
+    for (plugin, inside) in [
+        ("principled", ""),
+        ("dielectric", ""),
+        ("roughdielectric", ""),
+        ("conductor", ""),
+        ("roughconductor", ""),
+        ("plastic", weighted),
+        ("pplastic", weighted),
+    ] {
+        let film = surface(&format!(r#"<bsdf type="{plugin}">{given}{inside}</bsdf>"#)).film;
+        assert_eq!(film, Some(Film { thickness: number(300.0), eta: 1.8 }), "{plugin}");
+        let none = |thickness: &str| surface(&format!(r#"<bsdf type="{plugin}">{thickness}{inside}</bsdf>"#)).film;
+        assert_eq!([none(""), none(r#"<float name="film_thickness" value="0"/>"#)], [None, None]);
+    }
+    let default = surface(r#"<bsdf type="conductor"><float name="film_thickness" value="50"/></bsdf>"#).film;
+    assert_eq!(default.map(|film| film.eta), Some(1.3));
+    refuse(r#"<bsdf type="conductor"><float name="film_thickness" value="-1"/></bsdf>"#, &["must not be negative"]);
+    refuse(r#"<bsdf type="conductor"><float name="film_eta" value="1.5"/></bsdf>"#, &["needs `film_thickness`"]);
+    refuse(&format!(r#"<bsdf type="plastic">{given}</bsdf>"#), &["needs `base_weight`"]);
+    let warnings = load_body(&shape(&format!(r#"<bsdf type="diffuse">{given}</bsdf>"#))).unwrap().warnings;
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
 }
 
 /// A `difftrans` is a thin sheet whose light all crosses. A `twosided` of two BSDFs may have parts that transmit light.

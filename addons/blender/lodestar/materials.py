@@ -396,6 +396,7 @@ class _Translator:
         return parameter(self.images, element, "specular_reflectance", color)
 
     def _metallic(self, node: Any, groups: Groups) -> Closure:
+        film = principled.film(self.reader, node, groups)
         if node.fresnel_type == "PHYSICAL_CONDUCTOR":
             element = self._facets("roughconductor", "conductor", node, groups)
             xml.add(element, "eta", self.reader.constant_color(node.inputs["IOR"], groups))
@@ -405,12 +406,16 @@ class _Translator:
                 self.reader.warn("Beckmann's facets with an Edge Tint are not supported; those of GGX are used")
             color = self.reader.color(node.inputs["Base Color"], groups)
             roughness = self.reader.scalar(node.inputs["Roughness"], groups)
-            metal = principled.tinted_metal(self.reader, color, roughness, self.reader.constant_color(node.inputs["Edge Tint"], groups))
+            tint = self.reader.constant_color(node.inputs["Edge Tint"], groups)
+            if film is not None and tint != principled.WHITE:
+                self.reader.warn("Edge Tint under a thin film is not supported; white is used")
+                tint = principled.WHITE
+            metal = principled.tinted_metal(self.reader, color, roughness, tint)
             element = metal if metal is not None else xml.add(xml.plugin("bsdf", "principled"), "metallic", 1.0)
             if metal is None:
                 parameter(self.images, element, "base_color", color)
                 parameter(self.images, element, "roughness", roughness)
-        return Closure(self.relief(two_sided(element), node, groups))
+        return Closure(self.relief(two_sided(principled.with_film(self.images, element, film)), node, groups))
 
     def _glass(self, node: Any, groups: Groups) -> Closure:
         color = self.reader.color(node.inputs["Color"], groups)
@@ -422,6 +427,7 @@ class _Translator:
         reflected, transmitted = self._whole_glass(element, color, ior, node, groups)
         parameter(self.images, element, "specular_reflectance", reflected)
         parameter(self.images, element, "specular_transmittance", transmitted)
+        principled.with_film(self.images, element, principled.film(self.reader, node, groups))
         return Closure(self.relief(element, node, groups))
 
     def _whole_glass(self, element: xml.Element, color: Union[Color, Texture], ior: float, node: Any, groups: Groups) -> Any:

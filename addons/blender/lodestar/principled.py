@@ -48,8 +48,9 @@ def weighted(
     ior: float,
     layer: tuple[Expression, Expression, float],
     base_roughness: Union[float, Texture] = 0.0,
+    film: Optional[Film] = None,
 ) -> xml.Element:
-    """Dielectric over a diffuse base with a weight."""
+    """Dielectric over a diffuse base with a weight. A film takes from the base what it reflects, in place of the weight."""
     from . import materials
 
     weight, factor, most = layer
@@ -58,7 +59,8 @@ def weighted(
     materials.parameter(images, element, "diffuse_reflectance", base)
     if base_roughness != 0.0:
         materials.parameter(images, element, "base_roughness", base_roughness)
-    return materials.two_sided(materials.parameter(images, element, "base_weight", Texture(program=weight)))
+    with_film(images, element, film)
+    return materials.two_sided(materials.parameter(images, element, "base_weight", 1.0 if film is not None else Texture(program=weight)))
 
 
 def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float, Texture], metallic: float, ior: float) -> xml.Element:
@@ -72,6 +74,30 @@ def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float,
     dimmed = base.scaled((share,) * 3) if isinstance(base, Texture) else tuple(share * c for c in base)
     materials.parameter(images, element, "base_color", dimmed)
     return materials.parameter(images, element, "roughness", roughness)
+
+
+Film = tuple[Union[float, Texture], float]
+# Thickness in nanometers up to which Cycles has no film.
+LEAST_FILM = 0.1
+
+
+def film(reader: Reader, node: Any, groups: Groups) -> Optional[Film]:
+    """Thickness in nanometers and index of refraction of a node's thin film; None where it has none. Blender 4.1 knows no film."""
+    if "Thin Film Thickness" not in node.inputs:
+        return None
+    thickness = reader.scalar(node.inputs["Thin Film Thickness"], groups)
+    if not isinstance(thickness, Texture) and thickness <= LEAST_FILM:
+        return None
+    return thickness, max(reader.constant(node.inputs["Thin Film IOR"], groups), 1e-3)
+
+
+def with_film(images: Images, element: xml.Element, film: Optional[Film]) -> xml.Element:
+    """Surface under a thin film, if there is one."""
+    from . import materials
+
+    if film is None:
+        return element
+    return xml.add(materials.parameter(images, element, "film_thickness", film[0]), "film_eta", film[1])
 
 
 def _alpha(roughness: float) -> float:
@@ -124,6 +150,10 @@ class _Principled:
         self.diffuse_roughness = self._diffuse_roughness()
         self.subsurface = self._scalar("Subsurface Weight")
         self.tint: Color = self._constant_color("Specular Tint")
+        self.film = film(reader, node, groups)
+        if self.film is not None and self.tint != WHITE:
+            reader.warn("Specular Tint under a thin film is not supported; white is used")
+            self.tint = WHITE
         self.medium = self._medium() if has_subsurface else None
         self.coat = self._coat_weight()
         self.passing = self._passing_coat()
@@ -186,9 +216,6 @@ class _Principled:
         return materials.parameter(self.images, element, "specular_transmittance", tint)
 
     def _report(self) -> None:
-        name = "Thin Film Thickness"
-        if name in self.node.inputs and self._scalar(name) != 0.0:
-            self.reader.warn(f"{name} is not supported; 0 is used")
         if self.tint != WHITE and (self.transmission != 0.0 or self.medium is not None) and self.metallic != 1.0:
             self.reader.warn("Specular Tint of a surface that transmits light is not supported; white is used there")
         if self.tint != WHITE and (self.anisotropic != 0.0 or self.metallic != 1.0 and not self._is_even()):
@@ -238,6 +265,8 @@ class _Principled:
             self.reader.warn("Diffuse Roughness of an anisotropic surface or under a long program is not supported; 0 is used")
         if not self._is_even() or self.roughness >= SMOOTH:
             return self._disney(0.0, ior)
+        if self.film is not None:
+            self.reader.warn("a thin film over a smooth dielectric under a long program is not supported; it is left out")
         return materials.two_sided(materials.parameter(self.images, layers.plastic(0.0, ior), "diffuse_reflectance", base))
 
     def _is_even(self) -> bool:
@@ -263,7 +292,7 @@ class _Principled:
             factor = factor * self.passing
         if excess(weight) is not None or excess(factor) is not None:
             return None
-        return weighted(self.images, base, alpha, ior, (weight, factor, most), self.diffuse_roughness)
+        return weighted(self.images, base, alpha, ior, (weight, factor, most), self.diffuse_roughness, self.film)
 
     def _metal(self) -> xml.Element:
         from . import materials
@@ -289,7 +318,7 @@ class _Principled:
         element = _disney(self.images, self._below_coat(base), self.roughness, metallic, ior)
         if self.anisotropic != 0.0:
             xml.add(element, "anisotropic", min(self.anisotropic, 1.0))
-        return materials.two_sided(element)
+        return materials.two_sided(with_film(self.images, element, self.film))
 
     def _glass(self) -> xml.Element:
         """Rough glass. Cycles tints what passes by the root of the base color."""
@@ -315,7 +344,7 @@ class _Principled:
             rough = self.roughness
             alpha = rough.with_operation("square") if isinstance(rough, Texture) else rough**2
             materials.parameter(self.images, element, "alpha", alpha)
-        return xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
+        return with_film(self.images, xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0), self.film)
 
     # ----------------------------------------------------------------------------------------------------------- sheen
 

@@ -20,7 +20,7 @@ const MOST_ZEROS: usize = 1 << 24;
 const MAGIC: &[u8] = b"glTF";
 
 /// Extensions whose content is read, or whose absence changes no picture.
-const READ: [&str; 25] = [
+const READ: [&str; 26] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
@@ -31,6 +31,7 @@ const READ: [&str; 25] = [
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",

@@ -42,7 +42,18 @@ impl<'a> TextureUse<'a> {
 
     /// Use of a normal map.
     pub fn of_normals(info: &gltf::material::NormalTexture<'a>) -> Self {
-        let transform = info.extension_value("KHR_texture_transform");
+        Self::placed(info.texture(), info.tex_coord(), info.extension_value("KHR_texture_transform"))
+    }
+
+    /// Use of a texture by an extension that is read as JSON; `None` where the model has no such texture.
+    pub fn of_json(document: &'a gltf::Document, info: &Json) -> Option<Self> {
+        let texture = document.textures().nth(usize::try_from(info.get("index")?.as_u64()?).ok()?)?;
+        let uv_set = info.get("texCoord").and_then(Json::as_u64).unwrap_or(0);
+        let transform = info.get("extensions").and_then(|extensions| extensions.get("KHR_texture_transform"));
+        Some(Self::placed(texture, uv_set as u32, transform))
+    }
+
+    fn placed(texture: gltf::Texture<'a>, uv_set: u32, transform: Option<&Json>) -> Self {
         let pair = |name: &str, default: f64| {
             let list = transform.and_then(|transform| transform.get(name)?.as_array());
             [0, 1].map(|at| list.and_then(|list| list.get(at)?.as_f64()).unwrap_or(default))
@@ -50,8 +61,8 @@ impl<'a> TextureUse<'a> {
         let rotation = transform.and_then(|transform| transform.get("rotation")?.as_f64()).unwrap_or(0.0);
         let own_set = transform.and_then(|transform| transform.get("texCoord").and_then(Json::as_u64));
         Self {
-            texture: info.texture(),
-            uv_set: own_set.map_or(info.tex_coord(), |set| set as u32),
+            texture,
+            uv_set: own_set.map_or(uv_set, |set| set as u32),
             to_uv: transform.map(|_| to_uv(pair("offset", 0.0), rotation, pair("scale", 1.0))),
         }
     }

@@ -6,6 +6,7 @@ use gltf::Material;
 
 use super::alpha::{Opacity, radiance};
 use super::asset::{Asset, plain};
+use super::film::film;
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
 use super::volume;
@@ -152,6 +153,7 @@ impl<'a> Reader<'_, 'a> {
             bsdf = bsdf.with("roughness", roughness).with("metallic", metal);
             bsdf = self.extended(bsdf);
             (bsdf, transmits) = self.transmission(bsdf)?;
+            bsdf = self.filmed(bsdf)?;
         }
         bsdf = self.with_normals(bsdf)?;
         // A dielectric body transmits from both sides already.
@@ -276,6 +278,26 @@ impl<'a> Reader<'_, 'a> {
             bsdf = bsdf.with("anisotropic", number(strength));
         }
         bsdf
+    }
+
+    /// Puts a thin film over the part of the surface that has one.
+    fn filmed(&mut self, bsdf: Object) -> Result<Object> {
+        let Some(film) = film(&self.asset.document, self.material) else { return Ok(bsdf) };
+        let (unit, byte) = film.thicknesses();
+        let thickness = match film.thickness_texture.clone().map(|texture| self.keep(texture)) {
+            Some(texture) => {
+                let tag = format!("film{:08x}-{:08x}", film.thickness[0].to_bits(), film.thickness[1].to_bits());
+                nested(scaled(self.images.numbers(&texture, &tag, byte)?, [unit; 3]))
+            }
+            None => number(film.thickness[1]),
+        };
+        let filmed = bsdf.clone().with("film_thickness", thickness).with("film_eta", number(film.eta));
+        let texture = film.factor_texture.map(|texture| self.keep(texture));
+        if film.factor == 1.0 && texture.is_none() {
+            return Ok(filmed);
+        }
+        let share = self.number(texture.as_ref(), "film", film.factor, |texel| texel[0])?;
+        Ok(object(Kind::Bsdf, "blendbsdf", [("weight", share), ("plain", nested(bsdf)), ("filmed", nested(filmed))]))
     }
 
     /// Share of the transmission, where it is above 0.

@@ -12,6 +12,7 @@ mod buffers;
 mod choices;
 mod compression;
 mod corners;
+mod film;
 mod images;
 mod lights;
 mod materials;

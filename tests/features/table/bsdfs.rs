@@ -1,7 +1,7 @@
 //! BSDFs: each plugin, its roughness, textures on its parameters, and both sides.
 
 use super::xml::{
-    ball, bitmap, block, bsdf, checkerboard, default, diffuse, element, float, numbers, on, rgb, sheet, string,
+    ball, bitmap, block, bsdf, checkerboard, default, diffuse, element, float, numbers, on, path, rgb, sheet, string,
     two_sided,
 };
 use super::{Class::Bsdfs, Reference, Table};
@@ -38,6 +38,26 @@ pub fn add(table: &mut Table) {
     add_thin_principled(table);
     add_wrappers(table);
     add_sheens(table);
+    add_films(table);
+}
+
+/// Balls of clear glass under films, which are as bright as the sky about them, for what a film does not reflect passes.
+fn add_films(table: &mut Table) {
+    for (name, thickness) in [("", float("film_thickness", "420")), ("-textured", film_of_numbers())] {
+        table.add(Bsdfs, format!("film-furnace{name}"), |stage| {
+            stage.integrator = path(32);
+            stage.room = String::new();
+            stage.lamp = element("emitter", "constant", &rgb("radiance", "0.5,0.7,1"));
+            stage.subject = ball(&bsdf("dielectric", &(thickness.clone() + &float("film_eta", "1.9"))));
+            stage.reference = Reference::Uniform([0.5, 0.7, 1.0]);
+        });
+    }
+}
+
+/// Thickness from 0 to 600 nm.
+fn film_of_numbers() -> String {
+    let scale = float("scale", "600") + &numbers("texture", "numbers.png");
+    format!("<texture type='scale' name='film_thickness'>{scale}</texture>")
 }
 
 /// White balls under white sheens, which are as bright as the sky about them.

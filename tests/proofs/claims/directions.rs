@@ -143,8 +143,9 @@ fn families() -> Vec<Family> {
     let other = |name: &str, base| Family::Other(Box::new(Surface::plain(name, base)));
     let oren_nayar =
         RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false, energy_preserving: false };
-    let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
-    let glass = Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8) };
+    let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5), film: None };
+    let glass =
+        Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8), film: None };
     let known = |name: &str, base: &str| {
         let surface = surfaces().into_iter().find(|surface| surface.name == base);
         Family::Other(Box::new(Surface { name: name.into(), ..surface.expect("a surface") }))
@@ -167,6 +168,7 @@ fn families() -> Vec<Family> {
         known("principled thin", "principled thin 0.5 all"),
         known("sheen over diffuse", "sheen 0.8 over diffuse"),
         known("sheen over metal", "sheen 0.3 over metal"),
+        known("film over principled", "film over principled all"),
     ]
 }
 
@@ -186,7 +188,7 @@ impl Bench {
         let variant = Variant {
             normal_resolution,
             guide_set: guide_set as u32,
-            surface_features: kernels::FEATURE_SHEEN,
+            surface_features: kernels::FEATURE_SHEEN | kernels::FEATURE_FILM,
             material_kinds: kinds.fold(0, |all: u32, kind: u32| all | kind),
             workgroup_size: subject.group,
             ..kind.variant()

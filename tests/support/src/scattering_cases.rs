@@ -6,13 +6,15 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_DIFFUSE, BSDF_PRINCIPLED, BSDF_PRINCIPLED_THIN, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN,
-    FEATURE_COATING, FEATURE_ENERGY_PRESERVING, FEATURE_SHEEN, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE,
-    MATERIAL_COATED, MATERIAL_ENERGY_PRESERVING, MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, MATERIAL_SHEEN, Variant,
+    FEATURE_COATING, FEATURE_ENERGY_PRESERVING, FEATURE_FILM, FEATURE_SHEEN, FEATURE_SMOOTH_BASE,
+    FEATURE_WEIGHTED_BASE, MATERIAL_COATED, MATERIAL_ENERGY_PRESERVING, MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX,
+    MATERIAL_SHEEN, Variant,
 };
 
 use crate::substances::{Substance, sheen_table, substances};
 use crate::twins::coating::{Coating, coating_probability, eval_coating, pdf_coating};
 use crate::twins::direction::pdf_cosine_hemisphere;
+use crate::twins::film::Film;
 use crate::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
 use crate::twins::principled_thin::{PrincipledThin, eval_bsdf_principled_thin, pdf_bsdf_principled_thin};
 use crate::twins::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
@@ -33,6 +35,8 @@ pub struct DeviceBsdf {
     sheen_table: f32,
     /// The kernel finds the lobe.
     sheen_lobe: [f32; 9],
+    /// Thickness and index of refraction.
+    pub film: [f32; 2],
 }
 
 impl DeviceBsdf {
@@ -64,6 +68,7 @@ pub struct Surface {
 pub fn variant() -> Variant {
     let surface_features = FEATURE_COATING
         | FEATURE_SHEEN
+        | FEATURE_FILM
         | FEATURE_BECKMANN
         | FEATURE_SMOOTH_BASE
         | FEATURE_WEIGHTED_BASE
@@ -250,6 +255,7 @@ fn device_principled(b: &Principled) -> DeviceBsdf {
         kind_and_flags: BSDF_PRINCIPLED | MATERIAL_GGX,
         colors: [floats(b.base_color), [0.0; 3], [0.0; 3]],
         scalars: scalars.map(|x| x as f32),
+        film: b.film.map_or([0.0; 2], |film| [film.thickness as f32, film.eta as f32]),
         ..DeviceBsdf::default()
     }
 }
@@ -303,6 +309,7 @@ const PRINCIPLED: Principled = Principled {
     flatness: 0.0,
     clearcoat: 0.0,
     clearcoat_gloss: 0.0,
+    film: None,
 };
 
 /// Principled surfaces at a roughness: a metal, a glass, and one with all lobes at once.
@@ -324,6 +331,17 @@ fn principled(roughness: f64) -> [(String, Base); 3] {
     };
     [(metal, "metal"), (glass, "glass"), (all, "all")]
         .map(|(b, name)| (format!("principled {roughness} {name}"), Base::Principled(b)))
+}
+
+/// Principled surfaces under films: a metal, a glass, a dielectric, and one with all lobes at once.
+fn principled_films() -> [(String, Base); 4] {
+    let film = |thickness: f64, eta: f64| Some(Film { thickness, eta });
+    let metal = Principled { roughness: 0.4, metallic: 1.0, anisotropic: 0.5, film: film(280.0, 1.5), ..PRINCIPLED };
+    let glass = Principled { roughness: 0.5, spec_trans: 1.0, eta: 1.4, film: film(500.0, 1.9), ..PRINCIPLED };
+    let dielectric = Principled { film: film(400.0, 2.3), ..PRINCIPLED };
+    let all = Principled { metallic: 0.3, spec_trans: 0.2, clearcoat: 1.0, sheen: 0.8, ..dielectric };
+    [(metal, "metal"), (glass, "glass"), (dielectric, "dielectric, all"), (all, "all")]
+        .map(|(b, name)| (format!("film over principled {name}"), Base::Principled(b)))
 }
 
 /// Thin principled sheets at a roughness: one that is specular, one that is diffuse, and one with all lobes at once.
@@ -391,6 +409,7 @@ pub fn surfaces() -> Vec<Surface> {
     let uncoated = uncoated.chain([0.0, 0.3, 1.0].map(energy_preserving));
     let uncoated = uncoated.chain([0.05, 0.25, 0.5, 1.0].into_iter().flat_map(principled));
     let uncoated = uncoated.chain([0.05, 0.5, 1.0].into_iter().flat_map(principled_thin));
+    let uncoated = uncoated.chain(principled_films());
     let [metal, ..] = principled(0.5);
     let coated =
         [coated(rough_diffuse(0.4, false), 1.5), coated(("mirror".into(), Base::Mirror), 1.3), coated(metal, 1.7)];

@@ -22,6 +22,7 @@ use crate::twins::dielectric::{
     Dielectric, dielectric_lobes, eval_bsdf_rough_dielectric, pdf_bsdf_rough_dielectric, thin_dielectric_lobes,
 };
 use crate::twins::direction::pdf_cosine_hemisphere;
+use crate::twins::film::Film;
 use crate::twins::hair::{Hair, eval_bsdf_hair, pdf_bsdf_hair};
 use crate::twins::measured::MeasuredSurface;
 use crate::twins::phong::{Phong, eval_bsdf_phong, pdf_bsdf_phong};
@@ -119,6 +120,7 @@ pub fn plastic(
         rough: None,
         base_weight: None,
         base_roughness: 0.0,
+        film: None,
     };
     let Some(facets) = facets else { return Substance::Plastic(b) };
     let (layer, address) = layer(facets, eta);
@@ -134,15 +136,17 @@ impl Substance {
 
     /// This substance without absorption.
     pub fn white(&self) -> Self {
-        let conductor = Conductor { specular_reflectance: DVec3::ONE, eta: DVec3::ZERO, k: DVec3::ZERO };
-        let dielectric = |b: &Dielectric| Dielectric {
+        let conductor = |b: &Conductor| Conductor {
             specular_reflectance: DVec3::ONE,
-            specular_transmittance: DVec3::ONE,
-            eta: b.eta,
+            eta: DVec3::ZERO,
+            k: DVec3::ZERO,
+            film: b.film,
         };
+        let dielectric =
+            |b: &Dielectric| Dielectric { specular_reflectance: DVec3::ONE, specular_transmittance: DVec3::ONE, ..*b };
         match self {
-            Self::Conductor(_) => Self::Conductor(conductor),
-            Self::RoughConductor(_, facets) => Self::RoughConductor(conductor, *facets),
+            Self::Conductor(b) => Self::Conductor(conductor(b)),
+            Self::RoughConductor(b, facets) => Self::RoughConductor(conductor(b), *facets),
             Self::Dielectric(b) => Self::Dielectric(dielectric(b)),
             Self::ThinDielectric(b) => Self::ThinDielectric(dielectric(b)),
             Self::RoughDielectric(b, facets) => Self::RoughDielectric(dielectric(b), *facets),
@@ -177,6 +181,17 @@ impl Substance {
             Self::Hair(b) => Self::Hair(Hair { sigma_a: DVec3::ZERO, ..*b }),
             // Its tables say what it absorbs.
             Self::Measured(b, address) => Self::Measured(Arc::clone(b), *address),
+        }
+    }
+
+    /// Thin film over the surface.
+    pub fn film(&self) -> Option<Film> {
+        match self {
+            Self::Conductor(b) | Self::RoughConductor(b, _) => b.film,
+            Self::Dielectric(b) | Self::RoughDielectric(b, _) => b.film,
+            Self::Plastic(b) => b.film,
+            Self::PolarizedPlastic(b) => b.film,
+            _ => None,
         }
     }
 
@@ -260,6 +275,9 @@ impl Substance {
             Self::Hair(b) => device_hair(b),
             Self::Measured(_, address) => device_measured(*address),
         };
+        if let Some(film) = self.film() {
+            device.film = [film.thickness as f32, film.eta as f32];
+        }
         if let Some(facets) = self.facets() {
             device.kind_and_flags |= if facets.is_ggx { MATERIAL_GGX } else { 0 };
             device.scalars[..2].copy_from_slice(&facets.alpha.map(|alpha| alpha as f32));
@@ -342,11 +360,15 @@ fn device_measured(address: u32) -> DeviceBsdf {
 }
 
 const COLOR: DVec3 = DVec3::new(0.9, 0.5, 0.2);
-const COPPER: Conductor =
-    Conductor { specular_reflectance: COLOR, eta: DVec3::new(0.2, 0.924, 1.102), k: DVec3::new(3.912, 2.452, 2.142) };
+const COPPER: Conductor = Conductor {
+    specular_reflectance: COLOR,
+    eta: DVec3::new(0.2, 0.924, 1.102),
+    k: DVec3::new(3.912, 2.452, 2.142),
+    film: None,
+};
 
 fn glass(eta: f64) -> Dielectric {
-    Dielectric { eta, specular_reflectance: COLOR, specular_transmittance: DVec3::new(0.7, 0.8, 0.6) }
+    Dielectric { eta, specular_reflectance: COLOR, specular_transmittance: DVec3::new(0.7, 0.8, 0.6), film: None }
 }
 
 fn smooth() -> Vec<(String, Substance)> {
@@ -384,6 +406,7 @@ fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
         facets,
         base_weight: None,
         base_roughness: 0.0,
+        film: None,
     };
     all.push((format!("polarized plastic, {name}"), Substance::PolarizedPlastic(polarized)));
     let weighted = PolarizedPlastic { base_weight: Some(0.6), ..polarized };
@@ -433,11 +456,41 @@ fn hairs() -> Vec<(String, Substance)> {
     roughnesses.map(|[along, around]| (format!("hair {along} {around}"), hair(along, around))).to_vec()
 }
 
+/// Films over metals, dielectrics and weighted plastics.
+fn films() -> Vec<(String, Substance)> {
+    let at = |thickness: f64, eta: f64| Some(Film { thickness, eta });
+    let facets = Microfacets::new([0.3; 2], true);
+    let plastic = PolarizedPlastic {
+        eta: 1.49,
+        diffuse_reflectance: COLOR,
+        specular_reflectance: DVec3::new(0.6, 0.8, 1.0),
+        facets,
+        base_weight: Some(0.6),
+        base_roughness: 0.0,
+        film: at(380.0, 2.2),
+    };
+    let Some((_, Substance::Plastic(smooth))) =
+        smooth().into_iter().find(|(name, _)| name == "weighted smooth plastic")
+    else {
+        unreachable!()
+    };
+    let substances = [
+        ("copper", Substance::Conductor(Conductor { film: at(250.0, 1.7), ..COPPER })),
+        ("rough copper", Substance::RoughConductor(Conductor { film: at(500.0, 1.4), ..COPPER }, facets)),
+        ("glass", Substance::Dielectric(Dielectric { film: at(300.0, 1.9), ..glass(1.5) })),
+        ("rough glass", Substance::RoughDielectric(Dielectric { film: at(420.0, 1.33), ..glass(1.6) }, facets)),
+        ("rough bubble", Substance::RoughDielectric(Dielectric { film: at(150.0, 1.2), ..glass(0.75) }, facets)),
+        ("plastic", Substance::Plastic(Plastic { film: at(600.0, 1.8), ..smooth })),
+        ("rough plastic", Substance::PolarizedPlastic(plastic)),
+    ];
+    substances.map(|(name, b)| (format!("film over {name}"), b)).to_vec()
+}
+
 /// Substances of every kind, at roughness 0.05 to 1.
 pub fn substances() -> Vec<(String, Substance)> {
     let alphas = [[0.05; 2], [0.2; 2], [0.5; 2], [1.0; 2], [0.05, 0.5], [0.8, 0.3]];
     let rough = alphas.into_iter().flat_map(|alpha| [rough(alpha, false), rough(alpha, true)]).flatten();
     let measured = ["isotropic.bsdf", "anisotropic.bsdf", "spectral.bsdf"];
     let measured = measured.map(|name| (format!("measured {name}"), measured_of(name)));
-    smooth().into_iter().chain(rough).chain(lobes()).chain(hairs()).chain(measured).collect()
+    smooth().into_iter().chain(rough).chain(lobes()).chain(hairs()).chain(measured).chain(films()).collect()
 }

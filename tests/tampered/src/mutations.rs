@@ -55,6 +55,7 @@ const SHEEN: &str = "glsl/include/bsdf/sheen.glsl";
 const SEGMENT: &str = "glsl/include/guide/learners/segment.glsl";
 const SOBOL: &str = "glsl/include/random/sobol.glsl";
 const SURFACE: &str = "glsl/include/geometry/surface.glsl";
+const THIN_FILM: &str = "glsl/include/math/thin_film.glsl";
 
 /// Patch that gives the file of sets of samples the constant. The file of blue noise includes that file.
 const SOBOL_FINDS_CONSTANT: Patch =
@@ -228,6 +229,14 @@ pub const MUTATIONS: &[Mutation] = &[
             file: SHEEN,
             text: "lobe.kept = max(1.0 - max_component(lobe.albedo), 0.0);",
             mutated: "lobe.kept = MUTATED ? 1.0 : max(1.0 - max_component(lobe.albedo), 0.0);",
+        }],
+    ),
+    mutation(
+        "a film that turns no phase",
+        &[Patch {
+            file: THIN_FILM,
+            text: "return FilmPolarization(-top * real, -top * imaginary,",
+            mutated: "return FilmPolarization((MUTATED ? top : -top) * real, (MUTATED ? top : -top) * imaginary,",
         }],
     ),
     mutation(

@@ -5,7 +5,7 @@ use crate::Result;
 use crate::scene::bsdf::{Bsdf, Film};
 use crate::scene::texture::Textured;
 
-/// Index of refraction of a film without one, as in glTF and Blender.
+/// Index of refraction of a film without one, as in glTF.
 const DEFAULT_ETA: f32 = 1.3;
 
 /// Reads `film_thickness` and `film_eta` of a BSDF that may have a film. Without a thickness there is none.

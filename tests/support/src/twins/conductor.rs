@@ -4,6 +4,7 @@ use glam::{DVec3, dvec3};
 use lodestar::math::microfacet::{Microfacets, smith_g1};
 
 use super::delta::DeltaLobe;
+use super::film::Film;
 use super::fresnel::fresnel_conductor;
 use super::microfacet::{microfacet_density, pdf_visible_normal};
 
@@ -16,6 +17,17 @@ pub struct Conductor {
     pub eta: DVec3,
     /// Index of refraction, imaginary part.
     pub k: DVec3,
+    /// Thin film over the surface.
+    pub film: Option<Film>,
+}
+
+impl Conductor {
+    fn reflectance(&self, cosine: f64) -> DVec3 {
+        match self.film {
+            Some(film) => film.reflectance(cosine, self.eta, self.k),
+            None => fresnel_conductor(cosine, self.eta, self.k),
+        }
+    }
 }
 
 /// Lobe of a smooth metal, if it is seen from above.
@@ -23,7 +35,7 @@ pub fn conductor_lobes(b: &Conductor, wo: DVec3) -> Vec<DeltaLobe> {
     if wo.z <= 0.0 {
         return vec![];
     }
-    let value = b.specular_reflectance * fresnel_conductor(wo.z, b.eta, b.k);
+    let value = b.specular_reflectance * b.reflectance(wo.z);
     vec![DeltaLobe { wi: dvec3(-wo.x, -wo.y, wo.z), probability: 1.0, value, eta: 1.0 }]
 }
 
@@ -34,7 +46,7 @@ pub fn eval_bsdf_rough_conductor(b: &Conductor, facets: &Microfacets, wo: DVec3,
     }
     let m = (wo + wi).normalize();
     let light = microfacet_density(facets, m) * smith_g1(facets, wo) * smith_g1(facets, wi) / (4.0 * wo.z);
-    b.specular_reflectance * fresnel_conductor(wo.dot(m), b.eta, b.k) * light
+    b.specular_reflectance * b.reflectance(wo.dot(m)) * light
 }
 
 /// Density of `wi` for samples that reflect at visible facets.

@@ -5,6 +5,7 @@ use lodestar::math::fresnel::fresnel_dielectric;
 use lodestar::math::microfacet::{Microfacets, smith_g1};
 
 use super::delta::DeltaLobe;
+use super::film::{Film, filmed};
 use super::microfacet::{microfacet_density, pdf_visible_normal};
 
 /// Surface between two dielectrics, or a thin sheet of one.
@@ -16,6 +17,8 @@ pub struct Dielectric {
     pub specular_reflectance: DVec3,
     /// Factor of the transmitted light.
     pub specular_transmittance: DVec3,
+    /// Thin film over the surface.
+    pub film: Option<Film>,
 }
 
 /// Lobes of a smooth surface.
@@ -24,7 +27,8 @@ pub fn dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
     let through = dvec3(-wo.x / boundary.eta, -wo.y / boundary.eta, -boundary.cos_t.copysign(wo.z));
     // Radiance grows with the square of the index.
     let compression = boundary.eta.powi(-2);
-    lobes(b, wo, boundary.reflectance, through, boundary.eta, compression)
+    let plain = (DVec3::splat(boundary.reflectance), boundary.reflectance);
+    lobes(b, wo, filmed(b.film, wo.z, b.eta).unwrap_or(plain), through, boundary.eta, compression)
 }
 
 /// Lobes of a thin sheet.
@@ -32,19 +36,26 @@ pub fn thin_dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
     let r = fresnel_dielectric(wo.z.abs(), b.eta).reflectance;
     // The second part is the sum over all orders of internal reflection, (1 - r)^2 r^(2 n + 1).
     let reflectance = if r < 1.0 { r + (1.0 - r).powi(2) * r / (1.0 - r * r) } else { 1.0 };
-    lobes(b, wo, reflectance, -wo, 1.0, 1.0)
+    lobes(b, wo, (DVec3::splat(reflectance), reflectance), -wo, 1.0, 1.0)
 }
 
-fn lobes(b: &Dielectric, wo: DVec3, reflectance: f64, through: DVec3, eta: f64, compression: f64) -> Vec<DeltaLobe> {
+/// `reflectance` is followed by the probability of reflection.
+fn lobes(
+    b: &Dielectric,
+    wo: DVec3,
+    (reflectance, probability): (DVec3, f64),
+    through: DVec3,
+    eta: f64,
+    compression: f64,
+) -> Vec<DeltaLobe> {
     if wo.z == 0.0 {
         return vec![];
     }
     let back = dvec3(-wo.x, -wo.y, wo.z);
-    let transmittance = 1.0 - reflectance;
-    let transmitted = b.specular_transmittance * (transmittance * compression);
+    let transmitted = b.specular_transmittance * (1.0 - reflectance) * compression;
     vec![
-        DeltaLobe { wi: back, probability: reflectance, value: b.specular_reflectance * reflectance, eta: 1.0 },
-        DeltaLobe { wi: through, probability: transmittance, value: transmitted, eta },
+        DeltaLobe { wi: back, probability, value: b.specular_reflectance * reflectance, eta: 1.0 },
+        DeltaLobe { wi: through, probability: 1.0 - probability, value: transmitted, eta },
     ]
 }
 
@@ -52,23 +63,23 @@ fn lobes(b: &Dielectric, wo: DVec3, reflectance: f64, through: DVec3, eta: f64, 
 struct Facet {
     /// Normal of the facets, on the upper side.
     m: DVec3,
-    reflectance: f64,
+    reflectance: DVec3,
+    /// Probability that a facet reflects a sample.
+    probability: f64,
     /// Index on the side of `wi` over that on the side of `wo`.
     eta: f64,
     /// Whether each direction sees the facets from its own side of the surface.
     is_visible: bool,
 }
 
-fn facet(eta: f64, wo: DVec3, wi: DVec3) -> Facet {
+fn facet(b: &Dielectric, wo: DVec3, wi: DVec3) -> Facet {
+    let eta = b.eta;
     let relative = if wo.z > 0.0 { eta } else { 1.0 / eta };
     let half = if wo.z * wi.z > 0.0 { wo + wi } else { wo + relative * wi };
     let m = half.normalize() * half.z.signum();
-    Facet {
-        m,
-        reflectance: fresnel_dielectric(wo.dot(m), eta).reflectance,
-        eta: relative,
-        is_visible: wo.dot(m) * wo.z > 0.0 && wi.dot(m) * wi.z > 0.0,
-    }
+    let plain = fresnel_dielectric(wo.dot(m), eta).reflectance;
+    let (reflectance, probability) = filmed(b.film, wo.dot(m), eta).unwrap_or((DVec3::splat(plain), plain));
+    Facet { m, reflectance, probability, eta: relative, is_visible: wo.dot(m) * wo.z > 0.0 && wi.dot(m) * wi.z > 0.0 }
 }
 
 /// Solid angle of normals per solid angle of directions (Walter et al. 2007, equations 14 and 17).
@@ -82,7 +93,7 @@ fn jacobian(wo: DVec3, wi: DVec3, facet: &Facet) -> f64 {
 
 /// Value f |cos| (Walter et al. 2007, equations 20 and 21), scaled for radiance.
 pub fn eval_bsdf_rough_dielectric(b: &Dielectric, facets: &Microfacets, wo: DVec3, wi: DVec3) -> DVec3 {
-    let f = facet(b.eta, wo, wi);
+    let f = facet(b, wo, wi);
     if wo.z * wi.z == 0.0 || !f.is_visible {
         return DVec3::ZERO;
     }
@@ -96,10 +107,10 @@ pub fn eval_bsdf_rough_dielectric(b: &Dielectric, facets: &Microfacets, wo: DVec
 
 /// Density of `wi`.
 pub fn pdf_bsdf_rough_dielectric(b: &Dielectric, facets: &Microfacets, wo: DVec3, wi: DVec3) -> f64 {
-    let f = facet(b.eta, wo, wi);
+    let f = facet(b, wo, wi);
     if wo.z * wi.z == 0.0 || !f.is_visible {
         return 0.0;
     }
-    let share = if wo.z * wi.z > 0.0 { f.reflectance } else { 1.0 - f.reflectance };
+    let share = if wo.z * wi.z > 0.0 { f.probability } else { 1.0 - f.probability };
     share * pdf_visible_normal(facets, wo * wo.z.signum(), f.m) * jacobian(wo, wi, &f)
 }

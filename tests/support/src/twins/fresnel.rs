@@ -23,7 +23,7 @@ fn fresnel_conductor_channel(cos_i: f64, eta: f64, k: f64) -> f64 {
 }
 
 /// Complex square root with a real part >= 0.
-fn complex_sqrt(re: f64, im: f64) -> (f64, f64) {
+pub(super) fn complex_sqrt(re: f64, im: f64) -> (f64, f64) {
     let modulus = re.hypot(im);
     let root_re = (0.5 * (modulus + re)).max(0.0).sqrt();
     let root_im = (0.5 * (modulus - re)).max(0.0).sqrt();

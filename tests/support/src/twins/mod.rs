@@ -12,6 +12,7 @@ pub mod dielectric;
 pub mod direction;
 pub mod direction_map;
 pub mod equal_area;
+pub mod film;
 pub mod fresnel;
 pub mod guide;
 pub mod hair;

@@ -8,6 +8,7 @@ use lodestar::math::microfacet::{Microfacets, smith_g1};
 
 use super::conductor::pdf_reflection;
 use super::delta::DeltaLobe;
+use super::film::{Film, filmed};
 use super::microfacet::microfacet_density;
 use super::rough_diffuse::energy_preserving;
 
@@ -32,6 +33,8 @@ pub struct Plastic {
     pub base_weight: Option<f64>,
     /// Roughness of a weighted base.
     pub base_roughness: f64,
+    /// Thin film over the surface.
+    pub film: Option<Film>,
 }
 
 /// Surface of a rough layer.
@@ -45,7 +48,10 @@ pub struct RoughSurface {
 
 impl Plastic {
     fn transmittance(&self, cos_theta: f64) -> f64 {
-        let Some(rough) = &self.rough else { return 1.0 - fresnel_dielectric(cos_theta, self.eta).reflectance };
+        let Some(rough) = &self.rough else {
+            let plain = fresnel_dielectric(cos_theta, self.eta).reflectance;
+            return 1.0 - filmed(self.film, cos_theta, self.eta).map_or(plain, |(_, mean)| mean);
+        };
         let last = rough.transmittance.len() - 1;
         let position = cos_theta * last as f64;
         let entry = (position as usize).min(last - 1);
@@ -72,7 +78,8 @@ pub fn plastic_lobes(b: &Plastic, wo: DVec3) -> Vec<DeltaLobe> {
     if wo.z <= 0.0 || b.rough.is_some() {
         return vec![];
     }
-    let value = b.specular_reflectance * (1.0 - b.transmittance(wo.z));
+    let plain = DVec3::splat(1.0 - b.transmittance(wo.z));
+    let value = b.specular_reflectance * filmed(b.film, wo.z, b.eta).map_or(plain, |(reflectance, _)| reflectance);
     vec![DeltaLobe { wi: dvec3(-wo.x, -wo.y, wo.z), probability: b.specular_probability(wo), value, eta: 1.0 }]
 }
 
@@ -83,7 +90,8 @@ pub fn eval_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3) -> DVec3 {
     }
     let of_layer = b.rough.as_ref().map_or(DVec3::ZERO, |rough| specular(b, &rough.facets, wo, wi));
     if let Some(weight) = b.base_weight {
-        return energy_preserving(b.diffuse_reflectance, b.base_roughness, wo, wi) * weight + of_layer;
+        let left = filmed(b.film, wo.z, b.eta).map_or(1.0, |(reflectance, _)| 1.0 - reflectance.max_element());
+        return energy_preserving(b.diffuse_reflectance, b.base_roughness, wo, wi) * weight * left + of_layer;
     }
     let returned = if b.nonlinear { b.diffuse_reflectance } else { DVec3::ONE } * b.internal_reflectance;
     let base = b.diffuse_reflectance / (DVec3::ONE - returned);

@@ -8,6 +8,7 @@ use lodestar::math::fresnel::fresnel_dielectric;
 use lodestar::math::microfacet::{Microfacets, smith_g1};
 
 use super::conductor::pdf_reflection;
+use super::film::{Film, filmed};
 use super::microfacet::microfacet_density;
 use super::rough_diffuse::energy_preserving;
 
@@ -26,11 +27,14 @@ pub struct PolarizedPlastic {
     pub base_weight: Option<f64>,
     /// Roughness of a weighted base.
     pub base_roughness: f64,
+    /// Thin film over the surface.
+    pub film: Option<Film>,
 }
 
 impl PolarizedPlastic {
     fn transmittance(&self, cosine: f64) -> f64 {
-        1.0 - fresnel_dielectric(cosine, self.eta).reflectance
+        1.0 - filmed(self.film, cosine, self.eta)
+            .map_or(fresnel_dielectric(cosine, self.eta).reflectance, |(_, mean)| mean)
     }
 
     /// Share of the mean specular albedo in the sum of both mean albedos.
@@ -58,12 +62,15 @@ pub fn eval_bsdf_polarized_plastic(b: &PolarizedPlastic, wo: DVec3, wi: DVec3) -
     let m = (wo + wi).normalize();
     let masking = smith_g1(&b.facets, wo) * smith_g1(&b.facets, wi);
     let facets = microfacet_density(&b.facets, m) * masking / (4.0 * wo.z);
-    let reflectance = fresnel_dielectric(wo.dot(m), b.eta).reflectance;
+    let plain = DVec3::splat(fresnel_dielectric(wo.dot(m), b.eta).reflectance);
+    let reflectance = filmed(b.film, wo.dot(m), b.eta).map_or(plain, |(reflectance, _)| reflectance);
+    // The base has what the film leaves of the color that it reflects most.
+    let left = filmed(b.film, wo.z, b.eta).map_or(1.0, |(reflectance, _)| 1.0 - reflectance.max_element());
     let base = match b.base_weight {
-        Some(weight) => energy_preserving(b.diffuse_reflectance, b.base_roughness, wo, wi) * weight,
+        Some(weight) => energy_preserving(b.diffuse_reflectance, b.base_roughness, wo, wi) * weight * left,
         None => b.diffuse_reflectance * (b.transmittance(wo.z) * b.transmittance(wi.z) * wi.z / PI),
     };
-    b.specular_reflectance * (reflectance * facets) + base
+    b.specular_reflectance * reflectance * facets + base
 }
 
 /// Density of `wi`, given its density under the sampler of the diffuse lobe.

@@ -6,6 +6,7 @@ use glam::DVec3;
 use lodestar::math::fresnel::fresnel_dielectric;
 use lodestar::math::microfacet::Microfacets;
 
+use super::film::{Film, filmed, metal_index};
 use super::microfacet::{exact_g1, microfacet_density};
 
 /// Parameters, named as in Mitsuba.
@@ -24,6 +25,7 @@ pub struct Principled {
     pub flatness: f64,
     pub clearcoat: f64,
     pub clearcoat_gloss: f64,
+    pub film: Option<Film>,
 }
 
 impl Principled {
@@ -57,8 +59,10 @@ struct Pair {
     m: DVec3,
     /// Index of refraction beyond over that in front.
     eta: f64,
-    /// Reflectance of the facets.
-    fresnel: f64,
+    /// Reflectance of the facets of a dielectric, without a film, and by which lobes are drawn.
+    plain: f64,
+    fresnel: DVec3,
+    drawn: f64,
     /// Whether each direction sees the facets from its own side.
     compatible: bool,
     /// Masking G1(wo) G1(wi).
@@ -75,11 +79,15 @@ fn pair(b: &Principled, wo: DVec3, wi: DVec3) -> Pair {
     let half = if wo.z * wi.z > 0.0 { wo + wi } else { wo + eta * wi };
     let m = half.normalize() * half.z.signum();
     let density = microfacet_density(&facets, m);
+    let plain = fresnel_dielectric(wo.dot(m), b.eta).reflectance;
+    let (fresnel, drawn) = filmed(b.film, wo.dot(m), b.eta).unwrap_or((DVec3::splat(plain), plain));
     let [masking_o, masking_i] = [wo, wi].map(|w| exact_g1(&facets, w));
     Pair {
         m,
         eta,
-        fresnel: fresnel_dielectric(wo.dot(m), b.eta).reflectance,
+        plain,
+        fresnel,
+        drawn,
         compatible: wo.dot(m) * wo.z > 0.0 && wi.dot(m) * wi.z > 0.0,
         masking: masking_o * masking_i,
         density,
@@ -111,17 +119,21 @@ fn eval_clearcoat(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
 
 fn facet_fresnel(b: &Principled, wo: DVec3, p: &Pair) -> DVec3 {
     if wo.z < 0.0 {
-        return DVec3::splat(b.transmitting_share() * p.fresnel);
+        return b.transmitting_share() * p.fresnel;
     }
     let c = wo.dot(p.m);
+    if let Some(film) = b.film {
+        let [eta, k] = metal_index(b.base_color);
+        return b.metallic * film.reflectance(c, eta, k) + (1.0 - b.metallic) * p.fresnel;
+    }
     let head_on = ((p.eta - 1.0) / (p.eta + 1.0)).powi(2);
     let tinted = schlick_between(b.tint() * head_on, c, b.eta);
     let dielectric = (1.0 - b.spec_tint) * p.fresnel + b.spec_tint * tinted;
     b.metallic * schlick_between(b.base_color, c, b.eta) + (1.0 - b.metallic) * dielectric
 }
 
-/// Diffuse light and sheen, f cos.
-pub(super) fn diffuse(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3) -> DVec3 {
+/// Diffuse light, of which a film leaves a part, and sheen: f cos.
+pub(super) fn diffuse(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3, left: f64) -> DVec3 {
     let [f_o, f_i] = [schlick(wo.z), schlick(wi.z)];
     let retro = 2.0 * b.roughness * m.dot(wi).powi(2);
     let surface = (1.0 - f_o / 2.0) * (1.0 - f_i / 2.0) + retro * (f_o + f_i + f_o * f_i * (retro - 1.0));
@@ -131,7 +143,7 @@ pub(super) fn diffuse(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3) -> DVec3 {
     let blended = surface + (below - surface) * b.flatness;
     let tint = DVec3::ONE + (b.tint() - DVec3::ONE) * b.sheen_tint;
     let sheen = b.sheen * (1.0 - b.metallic) * schlick(m.dot(wi).abs()) * tint;
-    (b.base_color * (b.diffuse_share() * blended / PI) + sheen) * wi.z
+    (b.base_color * (left * b.diffuse_share() * blended / PI) + sheen) * wi.z
 }
 
 /// Whether any light leaves towards `wo`.
@@ -152,17 +164,18 @@ pub fn eval_bsdf_principled(b: &Principled, wo: DVec3, wi: DVec3) -> DVec3 {
         return DVec3::ZERO;
     }
     if wo.z * wi.z < 0.0 {
-        let facets = (1.0 - p.fresnel) * p.density * p.masking * (wo.dot(p.m) / wo.z).abs();
+        let facets = p.density * p.masking * (wo.dot(p.m) / wo.z).abs();
         let transmitted = facets * refraction_jacobian(wo, wi, &p) / (p.eta * p.eta);
         let share = if p.compatible { b.transmitting_share() } else { 0.0 };
-        return b.base_color.map(f64::sqrt) * (share * transmitted);
+        return b.base_color.map(f64::sqrt) * (1.0 - p.fresnel) * (share * transmitted);
     }
     let mut value = DVec3::ZERO;
     if p.compatible && b.eta != 1.0 {
         value += facet_fresnel(b, wo, &p) * p.density * p.masking / (4.0 * wo.z.abs());
     }
     if wo.z > 0.0 {
-        value += diffuse(b, wo, wi, p.m);
+        let left = b.film.map_or(1.0, |_| ((1.0 - p.fresnel.max_element()) / (1.0 - p.plain).max(1.0e-6)).min(1.0));
+        value += diffuse(b, wo, wi, p.m, left);
         value += if p.compatible { eval_clearcoat(b, wo, wi, p.m) } else { 0.0 };
     }
     value
@@ -176,7 +189,7 @@ pub fn pdf_bsdf_principled(b: &Principled, wo: DVec3, wi: DVec3) -> f64 {
     }
     let front = wo.z > 0.0;
     let shares = if front { [b.diffuse_share(), 0.25 * b.clearcoat] } else { [0.0; 2] };
-    let through = if front { b.transmitting_share() } else { 1.0 } * (1.0 - p.fresnel);
+    let through = if front { b.transmitting_share() } else { 1.0 } * (1.0 - p.drawn);
     let total = shares[0] + shares[1] + 1.0;
     if wo.z * wi.z < 0.0 {
         let density = through * p.visible * refraction_jacobian(wo, wi, &p) / total;

@@ -49,6 +49,7 @@ impl PrincipledThin {
             flatness: self.flatness,
             clearcoat: 0.0,
             clearcoat_gloss: 0.0,
+            film: None,
         }
     }
 
@@ -94,7 +95,7 @@ pub fn eval_bsdf_principled_thin(b: &PrincipledThin, wo: DVec3, wi: DVec3) -> DV
     let head_on = b.thick().tint() * ((b.eta - 1.0) / (b.eta + 1.0)).powi(2);
     let tinted = schlick_between(head_on, wo.dot(m), b.eta);
     let reflectance = (1.0 - b.spec_tint) * fresnel + b.spec_tint * tinted;
-    reflectance * light + diffuse(&b.thick(), wo, wi, m)
+    reflectance * light + diffuse(&b.thick(), wo, wi, m, 1.0)
 }
 
 /// Density of `wi`.
