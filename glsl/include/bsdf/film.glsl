@@ -20,11 +20,11 @@ bool is_filmed(Film film) {
 DielectricInterface filmed_interface(float cos_i, float eta, Film film) {
     DielectricInterface i = fresnel_dielectric(cos_i, eta);
     if (is_filmed(film)) {
-        // What is reflected on both sides of the surface is the same.
-        DielectricInterface top = fresnel_dielectric(cos_i >= 0.0 ? cos_i : i.cos_t, film.eta);
-        float bottom = fresnel_dielectric(top.cos_t, eta / film.eta).reflectance;
-        float passing = 1.0 - top.reflectance;
-        i.reflectance = top.reflectance + passing * passing * bottom / max(1.0 - top.reflectance * bottom, 1.0e-12);
+        bool from_front = cos_i >= 0.0;
+        DielectricInterface near = fresnel_dielectric(abs(cos_i), from_front ? film.eta : film.eta / eta);
+        float far = fresnel_dielectric(near.cos_t, from_front ? eta / film.eta : 1.0 / film.eta).reflectance;
+        float passing = 1.0 - near.reflectance;
+        i.reflectance = near.reflectance + passing * passing * far / max(1.0 - near.reflectance * far, 1.0e-12);
         i.reflectance = i.cos_t > 0.0 ? min(i.reflectance, 1.0) : 1.0;
     }
     return i;
