@@ -11,8 +11,8 @@ use crate::scattering::{Bench, LOBE_DELTA, ScatteringInput, ScatteringOutput, d3
 
 /// Largest error of a color over dielectrics and over metals, and the largest mean: the sum ends after four terms, and Gaussians stand for
 /// the observer.
-const BOUNDS: [f64; 2] = [0.01, 0.05];
-const MEANS: [f64; 2] = [1.0e-3, 3.0e-3];
+const BOUNDS: [f64; 2] = [0.007, 0.025];
+const MEANS: [f64; 2] = [8.0e-4, 2.0e-3];
 
 fn seen_from(wo: DVec3, substance: &Substance) -> ScatteringInput {
     ScatteringInput { bsdf: substance.device(), wo: wo.as_vec3().into(), wi: [0.0, 0.0, 1.0], u: [0.5; 3] }

@@ -78,7 +78,7 @@ def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float,
 
 Film = tuple[Union[float, Texture], float]
 # Thickness in nanometers up to which Cycles has no film.
-LEAST_FILM = 0.1
+LEAST_FILM = 0.1001
 
 
 def film(reader: Reader, node: Any, groups: Groups) -> Optional[Film]:
