@@ -168,7 +168,7 @@ fn families() -> Vec<Family> {
         known("principled thin", "principled thin 0.5 all"),
         known("sheen over diffuse", "sheen 0.8 over diffuse"),
         known("sheen over metal", "sheen 0.3 over metal"),
-        known("film over principled", "film over principled all"),
+        known("film over principled", "film over principled dielectric, all"),
     ]
 }
 
