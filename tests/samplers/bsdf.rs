@@ -3,8 +3,8 @@
 
 use glam::{DVec3, dvec3};
 use lodestar::generated::kernels::{
-    BSDF_MEASURED, BSDF_WARD, FEATURE_BECKMANN, FEATURE_ENERGY_PRESERVING, FEATURE_SMOOTH_BASE, FEATURE_WEIGHTED_BASE,
-    MATERIAL_ENERGY_PRESERVING, MATERIAL_WEIGHTED_BASE, Variant, WARD_BALANCED,
+    BSDF_MEASURED, BSDF_WARD, FEATURE_BECKMANN, FEATURE_ENERGY_PRESERVING, FEATURE_FILM, FEATURE_SMOOTH_BASE,
+    FEATURE_WEIGHTED_BASE, MATERIAL_ENERGY_PRESERVING, MATERIAL_WEIGHTED_BASE, Variant, WARD_BALANCED,
 };
 use lodestar::math::microfacet::Microfacets;
 use support::statistics::Numbers;
@@ -317,8 +317,12 @@ fn is_sound(i: &ScatteringInput, o: &ScatteringOutput) -> bool {
     let rough = if is_rough_base { 1.4 + 1.0 / i.wo[2].abs().max(o.wi[2].abs()) } else { 1.0 };
     // Between the directions of a measured material, and between its points, tables that were interpolated differ.
     let is_table = i.bsdf.kind_and_flags == BSDF_MEASURED;
+    // Lobes are chosen by the mean of what a film reflects, of which waves that meet in phase reflect up to twice as much.
+    let is_filmed = i.bsdf.film[0] > 0.0;
     let weight = o.weight[0] * o.eta * o.eta;
-    let energy = o.lobe == LOBE_NONE || is_unbounded || weight < rough * if is_plastic || is_table { 2.0 } else { 1.2 };
+    let energy = o.lobe == LOBE_NONE
+        || is_unbounded
+        || weight < rough * if is_plastic || is_table || is_filmed { 2.0 } else { 1.2 };
     finite && positive && unit && energy
 }
 
@@ -438,7 +442,8 @@ fn kinds_are_the_same_alone() {
             surface_features: if is_beckmann { FEATURE_BECKMANN } else { 0 }
                 | if has_smooth_base { FEATURE_SMOOTH_BASE } else { 0 }
                 | if has_weighted_base { FEATURE_WEIGHTED_BASE } else { 0 }
-                | if has_rough_base { FEATURE_ENERGY_PRESERVING } else { 0 },
+                | if has_rough_base { FEATURE_ENERGY_PRESERVING } else { 0 }
+                | if substance.device().film[0] > 0.0 { FEATURE_FILM } else { 0 },
             ..Variant::default()
         });
         let mut one = || {
