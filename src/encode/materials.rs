@@ -203,7 +203,7 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
         }
         None => {}
     }
-    if let Some(coating) = surface.coating {
+    if let Some(coating) = &surface.coating {
         writer.flag(constants::MATERIAL_COATED, true);
         writer.record.optical_thickness = coating.optical_thickness.into();
         writer.record.coating_eta = coating.eta;

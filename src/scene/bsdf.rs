@@ -64,7 +64,7 @@ pub struct SurfaceMaterial {
     /// Cycles leaves this out. It cancels where light leaves the medium again.
     pub scales_radiance: bool,
     /// `coating`.
-    pub coating: Option<Coating>,
+    pub coating: Option<Box<Coating>>,
     /// `sheen`, on a surface without a `coating`.
     pub sheen: Option<Box<Sheen>>,
     /// Thin film over a metal or a dielectric.

@@ -325,7 +325,7 @@ fn coatings() {
     let coated = surface(&format!(r#"<bsdf type="twosided"><bsdf type="coating">{given}{RED}</bsdf></bsdf>"#));
     let expected =
         Coating { eta: 1.7, optical_thickness: Vec3::new(0.2, 0.4, 0.6), specular_reflectance: Vec3::splat(0.8) };
-    assert_eq!(coated.coating, Some(expected));
+    assert_eq!(coated.coating.as_deref(), Some(&expected));
     let plain = surface(&format!(r#"<bsdf type="coating">{RED}</bsdf>"#)).coating.unwrap();
     assert_eq!((plain.eta, plain.optical_thickness), (BK7, Vec3::ZERO));
     // A coating is alike on both sides, so it does not matter which is around which.

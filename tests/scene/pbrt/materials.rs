@@ -102,7 +102,7 @@ fn coats() {
     let scene = with("Material \"coatedconductor\" \"float conductor.roughness\" 0.04 \"float interface.eta\" 1.6");
     let Bsdf::RoughConductor { eta, .. } = bsdf(&scene) else { panic!("{:?}", bsdf(&scene)) };
     // Copper under a coat of 1.6.
-    assert_close(&[eta.x, surface(&scene).coating.unwrap().eta], &[0.105056 / 1.6, 1.6]);
+    assert_close(&[eta.x, surface(&scene).coating.as_ref().unwrap().eta], &[0.105056 / 1.6, 1.6]);
     assert!(scene.warnings.join("\n").contains("it is read as a `coating`"));
 }
 

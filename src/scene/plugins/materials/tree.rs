@@ -169,7 +169,7 @@ impl Tree {
             if is_transmissive(&surface) {
                 return Err("a `coating` over a material that transmits light is not supported");
             }
-            Ok(SurfaceMaterial { coating: Some(coating), ..surface })
+            Ok(SurfaceMaterial { coating: Some(Box::new(coating)), ..surface })
         })
     }
 
