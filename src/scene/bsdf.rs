@@ -1,6 +1,6 @@
 //! Materials and scattering functions.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 pub use super::measured::MeasuredBsdf;
 use super::medium::Boundary;
@@ -8,6 +8,11 @@ use super::parameter::{Parameter, Value, kinds, number, parameters, value};
 pub use super::principled::{Principled, PrincipledThin};
 use super::texture::Textured;
 use crate::generated::constants::*;
+
+/// Absorption of the dark pigment of hair at a concentration of 1, per radius of the fiber (d'Eon et al. 2011), as in Mitsuba and pbrt.
+pub(super) const EUMELANIN: DVec3 = DVec3::new(0.419, 0.697, 1.37);
+/// Absorption of the red pigment.
+pub(super) const PHEOMELANIN: DVec3 = DVec3::new(0.187, 0.4, 1.05);
 
 /// Material of a surface.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -242,3 +242,20 @@ fn iridescence_is_a_film() {
         assert_eq!(films, [false, true]);
     }
 }
+
+/// A sheet without thickness has no film, and a warning says so.
+#[test]
+fn iridescence_of_a_sheet_is_left_out() {
+    let warns = |extensions: Value| {
+        let mut model = square();
+        model["extensionsUsed"] = json!(["KHR_materials_iridescence", "KHR_materials_transmission"]);
+        model["materials"][0]["extensions"] = extensions;
+        let scene = read(&model).unwrap();
+        scene.warnings.iter().any(|warning| warning.contains("has no film (KHR_materials_iridescence)"))
+    };
+    let film = json!({"iridescenceFactor": 1.0});
+    let transmission = json!({"transmissionFactor": 0.5});
+    assert!(warns(json!({"KHR_materials_iridescence": film, "KHR_materials_transmission": transmission})));
+    assert!(!warns(json!({"KHR_materials_iridescence": film})));
+    assert!(!warns(json!({"KHR_materials_transmission": transmission})));
+}

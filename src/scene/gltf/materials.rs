@@ -332,6 +332,9 @@ impl<'a> Reader<'_, 'a> {
         if self.material.pbr_metallic_roughness().roughness_factor() > 0.1 {
             self.warn("light goes straight through it: the roughness of a thin transmission is not rendered");
         }
+        if film(&self.asset.document, self.material).is_some() {
+            self.warn("the sheet of a thin transmission has no film (KHR_materials_iridescence)");
+        }
         let tint = self.color(base, Coloring::None, &mut None)?;
         let sheet =
             object(Kind::Bsdf, "thindielectric", [("int_ior", number(self.ior())), ("specular_transmittance", tint)]);

@@ -6,13 +6,11 @@ use super::maker::Maker;
 use super::mappings::texture;
 use super::nodes::{Node, rgb};
 use crate::Result;
+use crate::scene::bsdf::{EUMELANIN, PHEOMELANIN};
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::make::object;
 use crate::scene::description::object::{Object, Value};
 
-/// Absorption of pigments at a concentration of 1, per radius of the fiber.
-const EUMELANIN: DVec3 = DVec3::new(0.419, 0.697, 1.37);
-const PHEOMELANIN: DVec3 = DVec3::new(0.187, 0.4, 1.05);
 /// Concentration of eumelanin where a file gives no color.
 const DEFAULT_EUMELANIN: f64 = 1.3;
 /// Least reflectance, so that the absorption is finite.

@@ -6,12 +6,8 @@ use super::super::emission::non_negative;
 use super::ior;
 use super::parameters::Parameters;
 use crate::Result;
-use crate::scene::bsdf::Bsdf;
+use crate::scene::bsdf::{Bsdf, EUMELANIN, PHEOMELANIN};
 use crate::scene::texture::Textured;
-
-/// Absorption of pigments at a concentration of 1, per radius of the fiber (d'Eon et al. 2011), as in Mitsuba and pbrt.
-const EUMELANIN: Vec3 = Vec3::new(0.419, 0.697, 1.37);
-const PHEOMELANIN: Vec3 = Vec3::new(0.187, 0.4, 1.05);
 
 /// Mitsuba's default index of refraction, roughness, and angle of the scales in degrees.
 const DEFAULT_FIBER: &str = "amber";
@@ -48,7 +44,7 @@ fn absorption(parameters: &mut Parameters) -> Result<Textured<Vec3>> {
         None => {
             let eumelanin = non_negative(&mut parameters.properties, "eumelanin", 1.3)?;
             let pheomelanin = non_negative(&mut parameters.properties, "pheomelanin", 0.2)?;
-            Ok(Textured::constant(eumelanin * EUMELANIN + pheomelanin * PHEOMELANIN))
+            Ok(Textured::constant(eumelanin * EUMELANIN.as_vec3() + pheomelanin * PHEOMELANIN.as_vec3()))
         }
     }
 }
