@@ -11,7 +11,7 @@ use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::mutated::{
     DIMMED_TWICE, FAR_OFF, FEW_SURFACES, GRID_DIMMED_TWICE, INSTANCE_FAULTS, LOW_MAJORANTS, MOTION_FAULTS, OTHER_PHASE,
-    OTHER_SIDE, SHORT_OF_LIGHT, TILTED_BACK, TURNED_TO_HOLE, UNWEIGHTED_NULL, WRONG_DIRECTION,
+    OTHER_SIDE, SHORT_OF_LIGHT, STRAIGHT_SHADES, TILTED_BACK, TURNED_TO_HOLE, UNWEIGHTED_NULL, WRONG_DIRECTION,
 };
 use support::tier;
 
@@ -255,15 +255,16 @@ const OF_MEDIA: [&str; 6] = [DIMMED_TWICE, OTHER_SIDE, OTHER_PHASE, GRID_DIMMED_
 
 /// Every mutation is used: a mutation that no test uses would prove nothing. `SHORT_OF_LIGHT` and `FAR_OFF` show what another
 /// renderer does, `FEW_SURFACES` reaches a bound, `TILTED_BACK` is found in `tests/render/relief.rs`, `TURNED_TO_HOLE` in
-/// `tests/render/facing.rs`, `WRONG_DIRECTION` in `tests/render/passages.rs`, and the faults of media and of instances need such scenes; they have tests of their own.
+/// `tests/render/facing.rs`, `WRONG_DIRECTION` and `STRAIGHT_SHADES` in `tests/render/passages.rs`, and the faults of media and of instances need such scenes; they have tests of their own.
 #[test]
 fn every_mutation_is_a_fault_or_harmless() {
     let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));
-    let elsewhere = [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK, TURNED_TO_HOLE, WRONG_DIRECTION]
-        .into_iter()
-        .chain(OF_MEDIA)
-        .chain(INSTANCE_FAULTS)
-        .chain(MOTION_FAULTS);
+    let elsewhere =
+        [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, STRAIGHT_SHADES, TILTED_BACK, TURNED_TO_HOLE, WRONG_DIRECTION]
+            .into_iter()
+            .chain(OF_MEDIA)
+            .chain(INSTANCE_FAULTS)
+            .chain(MOTION_FAULTS);
     let used: Vec<_> = used.filter_map(|subject| subject.mutation).chain(elsewhere).collect();
     let unused: Vec<_> = tampered::MUTATIONS.iter().map(|m| m.name).filter(|name| !used.contains(name)).collect();
     assert!(unused.is_empty(), "{unused:?}");

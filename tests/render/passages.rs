@@ -11,7 +11,7 @@ use lodestar::settings::{Execution, Learner, Sampler, Settings, UNLIMITED_DEPTH}
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::floor::{ALBEDO, floor_radiance};
 use support::mutated::{
-    FEW_SURFACES, NOT_WEAKENED, PASSED_TWICE, REFRACTED_TWICE, SHUT, WRONG_DIRECTION, WRONG_VERTEX,
+    FEW_SURFACES, NOT_WEAKENED, PASSED_TWICE, REFRACTED_TWICE, SHUT, STRAIGHT_SHADES, WRONG_DIRECTION, WRONG_VERTEX,
 };
 use support::panes::{Pane, covered, with_panes};
 use support::scenes::{ours, settings, surface_mut};
@@ -250,6 +250,55 @@ fn surfaces_that_scale_no_radiance_leave_out_the_square_of_the_index() {
             }
         }
     }
+}
+
+/// Height of a shade above the floor, and where it begins. It covers half a plane.
+const SHADE: [f64; 2] = [2.0, 1.0];
+
+/// Radiance of a floor below one surface that refracts the light of the sky. A shade hides the sky where refracted rays meet it.
+fn below_shade() -> f64 {
+    let [height, begin] = SHADE;
+    let index = f64::from(INDEX);
+    let (cosines, angles) = (2000, 1000);
+    let at = |k: i32, count: i32| (f64::from(k) + 0.5) / f64::from(count);
+    let mut integral = 0.0;
+    for cosine in (0..cosines).map(|k| at(k, cosines)) {
+        let sine = (1.0 - cosine * cosine).sqrt();
+        let behind = sine / index;
+        let radius = 1.05 * sine / cosine + (height - 1.05) * behind / (1.0 - behind * behind).sqrt();
+        let open = (0..angles).filter(|&k| radius * (std::f64::consts::TAU * at(k, angles)).cos() < begin).count();
+        integral += cosine * (1.0 - fresnel_dielectric(cosine, index).reflectance) * open as f64 / f64::from(angles);
+    }
+    let sky = (1.0 + 0.75 + 0.5) / 3.0;
+    ALBEDO * sky * 0.75 * 2.0 * integral / f64::from(cosines) / (index * index)
+}
+
+/// A ray to the sky that a surface refracts passes a shade that lies on its straight line, or meets one that lies beside it.
+#[test]
+fn shades_block_refracted_rays_where_these_meet_them() {
+    let device = Device::new();
+    let [height, begin] = SHADE.map(|value| value as f32);
+    let render = |device: &Device, nee, sampler, execution| {
+        let mut scene = ours("lights/floor.xml", &[("light", "constant")]);
+        Pane::Mask(1.0).add(&mut scene, Vec3::new(begin + 150.0, height, 0.0), 150.0 * Vec3::X, 150.0 * Vec3::Z);
+        // Seen along rays to the shade, the surface's middle lies behind the shade's, so that a traversal for any hit takes the shade first.
+        Pane::Interface(INDEX).add(&mut scene, Vec3::new(2700.0, 1.05, 0.0), 3000.0 * Vec3::X, 3000.0 * Vec3::Z);
+        // Three edges: from the camera to the floor, to the surface, to the sky.
+        let settings = Settings { nee, execution, max_depth: 3, ..settings(&scene, [16, 16], sampler, 89) };
+        let (mean, error) = Estimate::of(&device.render(&scene, &settings, 2 * SPP)).gray();
+        println!("{sampler:?}, emitter sampling {nee}, {}: {mean:.6} +- {error:.6}", device.mutation());
+        (mean, error)
+    };
+    let expected = below_shade();
+    for (nee, sampler, execution) in [
+        (false, Sampler::Bsdf, Execution::Megakernel),
+        (true, Sampler::Bsdf, Execution::Megakernel),
+        (true, Sampler::Product, Execution::Wavefront),
+    ] {
+        assert_is("shade", render(&device, nee, sampler, execution), expected);
+    }
+    let wrong = render(&device.mutated(STRAIGHT_SHADES), true, Sampler::Bsdf, Execution::Megakernel);
+    assert!(surprise(wrong, expected) < ALPHA, "{STRAIGHT_SHADES}: {wrong:?}, not {expected}");
 }
 
 /// Mean radiance of the floor below a slab that bends light, with its standard error.

@@ -93,8 +93,9 @@ Passage way_of(Connection connection, uint medium, RandomKey key, uint depth, in
         Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true, 0u, vec3(0.0), RandomStream(uvec4(1u)));
     if (has_volumes()) passage.stream = random_stream(key, depth, RANDOM_SHADOW);
     bool is_bound = SURE_ROULETTE_DEPTH != NONE;
-    // Most rays meet no surface that lets light through. The first traversal takes any surface, the others the nearest ones.
-    bool any_hit = true;
+    // Most rays meet no surface that lets light through. The first traversal takes any surface, the others the nearest ones. Refraction may
+    // lead a ray past a surface that lies on its straight line, so that where light bends, the first traversal takes the nearest one, too.
+    bool any_hit = !bends_light();
     uint turns = passage.left + 2u;
     while (passage.more && turns > 0u) {
         --turns;

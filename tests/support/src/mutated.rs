@@ -28,6 +28,7 @@ pub const WRONG_VERTEX: &str = "the density at the last hole";
 pub const NOT_WEAKENED: &str = "light that refraction does not weaken";
 pub const REFRACTED_TWICE: &str = "refracted light counted twice";
 pub const WRONG_DIRECTION: &str = "the density of a refracted direction";
+pub const STRAIGHT_SHADES: &str = "refracted rays blocked by what lies on their straight line";
 /// Mutation: behind a hole, a disk faces the hole in place of the surface that it lights.
 pub const TURNED_TO_HOLE: &str = "facing disks turned to the last hole";
 /// Mutations: faults of media.

@@ -569,6 +569,10 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "refracted rays blocked by what lies on their straight line",
+        &[Patch { file: PASSAGE, text: "any_hit = !bends_light();", mutated: "any_hit = MUTATED || !bends_light();" }],
+    ),
+    mutation(
         "facing disks turned to the last hole",
         &[Patch {
             file: PATH,
