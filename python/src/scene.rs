@@ -181,7 +181,8 @@ fn from_dictionary(value: &Bound<'_, PyAny>, warns: bool) -> PyResult<Scene> {
 ///     Mitsuba's XML of any version, a model in glTF or USD, a scene of pbrt-v4, a folder with a `scene.xml`, or Mitsuba's scene
 ///     dictionary. A dictionary may nest objects, and may hold numpy arrays and transforms (`lodestar.ScalarTransform4f`, Mitsuba's, or arrays of shape (4, 4)). A shape
 ///     `{"type": "mesh", "vertices": (n, 3), "faces": (m, 3)}` is a mesh of arrays, with optional `normals` (n, 3), `uvs` (n, 2)
-///     and `colors` (n, 3). Files that a dictionary names are relative to the current folder.
+///     and `colors` (n, 3). Vertices and normals of the shape (k, n, 3) are those of k times, from the shutter's opening to its closing.
+///     Files that a dictionary names are relative to the current folder.
 /// camera : str or int
 ///     Name or index of the file's camera, or `"fit"` for one that shows the whole scene. Default: the first.
 /// environment : path

@@ -1,5 +1,6 @@
 //! Bounding volume hierarchy, and geometry laid out for the kernels. Only this module and its children name `obvhs`.
 
+mod deforming;
 pub(crate) mod instances;
 mod motions;
 mod plane;
@@ -10,17 +11,23 @@ use glam::Vec3;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
+use self::deforming::{KEY_TEXELS, Keys, box_at_all_times, move_keys};
 use self::instances::is_instance;
 use self::split::Boxes;
 use crate::generated::constants;
-use crate::generated::layout::{AttributeRecord, InstanceRecord, PrimitiveRecord, TEXEL_BYTES};
-use crate::scene::{Instance, Primitive, PrimitiveShape, Scene};
+use crate::generated::layout::{AttributeRecord, InstanceRecord, KeyRecord, PrimitiveRecord, TEXEL_BYTES};
+use crate::scene::deformation::Deformation;
+use crate::scene::{Group, Instance, Primitive, PrimitiveShape, Scene};
 
+pub(crate) use self::deforming::is_deforming;
 pub use self::instances::Part;
 pub use self::motions::Motions;
 
 /// Number of words of one compressed wide node (Ylitie et al. 2017).
 pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
+
+/// Texels of a primitive.
+const PRIMITIVE_TEXELS: usize = size_of::<PrimitiveRecord>() / TEXEL_BYTES;
 
 /// Margin of a box as a share of the largest coordinate of its primitive, whose bounds are rounded.
 const BOX_MARGIN: f32 = 1.0e-6;
@@ -44,6 +51,8 @@ pub struct Bvh {
     pub bounds: (Vec3, Vec3),
     /// Groups that instances show.
     pub parts: Vec<Part>,
+    /// Keys of triangles that deform. They follow the primitives on the device, and the motions follow them.
+    pub keys: Vec<KeyRecord>,
     /// Motions of instances, and that of the camera.
     pub motions: Motions,
 }
@@ -51,27 +60,45 @@ pub struct Bvh {
 impl Bvh {
     /// Builds the hierarchy over any number of primitives of any shape and size. All their numbers must be finite.
     pub fn build(primitives: &[Primitive]) -> Self {
-        let bounds = scene_bounds(primitives);
+        Self::build_deforming(primitives, &[])
+    }
+
+    /// Builds the hierarchy over primitives of which some deform.
+    pub fn build_deforming(primitives: &[Primitive], deformations: &[Deformation]) -> Self {
+        let mut bvh = Self::build_with_own_keys(primitives, deformations);
+        let texels = bvh.primitives.len() * PRIMITIVE_TEXELS;
+        move_keys(&mut bvh.primitives, texels);
+        bvh
+    }
+
+    /// The hierarchy whose triangles count their keys from the first of all keys.
+    fn build_with_own_keys(primitives: &[Primitive], deformations: &[Deformation]) -> Self {
+        let bounds = scene_bounds(primitives, deformations);
         let (nodes, order) = match primitives {
             [] => (vec![[0; NODE_WORDS]], Vec::new()),
-            _ => build_nodes(Boxes::new(primitives, Vec::new(), BOX_MARGIN)),
+            _ => build_nodes(Boxes::new(primitives, deformations, Vec::new(), BOX_MARGIN)),
         };
-        let records = order.par_iter().map(|&index| records(&primitives[index as usize]));
+        let keys = Keys::new(deformations, |index| Turn::of(&primitives[index as usize]));
+        let records = order.par_iter().map(|&index| {
+            let (mut record, attributes) = records(&primitives[index as usize]);
+            keys.mark(&mut record, index);
+            (record, attributes)
+        });
         let (primitives, mut attributes): (_, Vec<_>) = records.unzip();
         let depth = depth(&nodes);
         number_lights(attributes.iter_mut());
-        let (parts, motions) = (Vec::new(), Motions::default());
-        Self { primitives, attributes, sources: order, nodes, depth, bounds, parts, motions }
+        let (parts, keys, motions) = (Vec::new(), keys.records, Motions::default());
+        Self { primitives, attributes, sources: order, nodes, depth, bounds, parts, keys, motions }
     }
 
     /// Builds the hierarchy of a scene. All numbers must be finite, and all transforms of instances must have an inverse.
     pub fn of_scene(scene: &Scene) -> Self {
         let mut bvh = match scene.instances.is_empty() {
-            true => Self::build(&scene.primitives),
+            true => Self::build_deforming(&scene.primitives, &scene.deformations),
             false => with_instances(scene),
         };
         if let Some(motion) = &scene.camera_motion {
-            bvh.motions.add_camera(motion, bvh.primitives.len());
+            bvh.motions.add_camera(motion, bvh.primitives.len() + bvh.keys.len());
         }
         bvh
     }
@@ -107,6 +134,16 @@ impl Bvh {
     pub fn has_placed_spheres(&self) -> bool {
         let is_sphere = |p: &PrimitiveRecord| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE;
         self.parts.first().is_some_and(|first| self.primitives[first.primitives.start as usize..].iter().any(is_sphere))
+    }
+
+    /// Whether the vertices of some triangle move.
+    pub fn deforms(&self) -> bool {
+        !self.keys.is_empty()
+    }
+
+    /// Box that holds a triangle that deforms at all times, as (minimum, maximum).
+    pub(crate) fn box_of_deforming(&self, record: &PrimitiveRecord) -> (Vec3, Vec3) {
+        box_at_all_times(record, &self.keys, self.primitives.len() * PRIMITIVE_TEXELS)
     }
 
     /// Number of leaves of the world, which come first among the primitives.
@@ -156,8 +193,9 @@ fn records(primitive: &Primitive) -> (PrimitiveRecord, AttributeRecord) {
 
 /// Hierarchy of two levels: that of the world has instances among its leaves, and each group has one of its own.
 fn with_instances(scene: &Scene) -> Bvh {
-    let Scene { primitives, groups, instances: placements, motions, .. } = scene;
-    let of_groups: Vec<Bvh> = groups.par_iter().map(|group| Bvh::build(&group.primitives)).collect();
+    let Scene { primitives, deformations, groups, instances: placements, motions, .. } = scene;
+    let of_group = |group: &Group| Bvh::build_with_own_keys(&group.primitives, &group.deformations);
+    let of_groups: Vec<Bvh> = groups.par_iter().map(of_group).collect();
     let boxes_of_groups: Vec<_> = of_groups.iter().map(|bvh| instances::boxes(&bvh.nodes)).collect();
     let place = |instance: &Instance| {
         let boxes = &boxes_of_groups[instance.group as usize];
@@ -169,9 +207,9 @@ fn with_instances(scene: &Scene) -> Bvh {
     let placed: Vec<Aabb> = placements.par_iter().map(place).collect();
     let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
     let shown = placed.iter().map(|aabb| (Vec3::from(aabb.min), Vec3::from(aabb.max)));
-    let own = (!primitives.is_empty()).then(|| scene_bounds(primitives));
+    let own = (!primitives.is_empty()).then(|| scene_bounds(primitives, deformations));
     let bounds = own.into_iter().chain(shown).reduce(union).unwrap_or((Vec3::ZERO, Vec3::ONE));
-    let (mut nodes, order) = build_nodes(Boxes::new(primitives, placed, BOX_MARGIN));
+    let (mut nodes, order) = build_nodes(Boxes::new(primitives, deformations, placed, BOX_MARGIN));
 
     // The parts follow the world.
     let mut parts = Vec::with_capacity(groups.len());
@@ -182,9 +220,15 @@ fn with_instances(scene: &Scene) -> Bvh {
         (root, first) = (root + bvh.nodes.len() as u32, end);
     }
     let all_primitives = first as usize;
-    let of_motions = Motions::new(motions, all_primitives);
+    let own_keys = Keys::new(deformations, |index| Turn::of(&primitives[index as usize]));
+    let all_keys = own_keys.records.len() + of_groups.iter().map(|bvh| bvh.keys.len()).sum::<usize>();
+    let of_motions = Motions::new(motions, all_primitives + all_keys);
     let of_leaf = |&index: &u32| match primitives.get(index as usize) {
-        Some(primitive) => records(primitive),
+        Some(primitive) => {
+            let (mut record, attributes) = records(primitive);
+            own_keys.mark(&mut record, index);
+            (record, attributes)
+        }
         None => {
             let instance = &placements[index as usize - primitives.len()];
             let root = parts[instance.group as usize].root;
@@ -196,20 +240,25 @@ fn with_instances(scene: &Scene) -> Bvh {
     };
     let (mut all, mut attributes): (Vec<_>, Vec<_>) = order.par_iter().map(of_leaf).unzip();
     number_lights_of_world(&mut all, &mut attributes, &parts, &of_groups);
+    let mut keys = own_keys.records;
+    move_keys(&mut all, all_primitives * PRIMITIVE_TEXELS);
     let mut sources = order;
     let mut first_source = (primitives.len() + placements.len()) as u32;
     let mut deepest = 0;
     let depth_of_world = depth(&nodes);
     for ((bvh, part), group) in of_groups.into_iter().zip(&parts).zip(groups) {
         nodes.extend(bvh.nodes.iter().map(|node| moved(*node, part)));
+        let first_of_part = all.len();
         all.extend(bvh.primitives);
+        move_keys(&mut all[first_of_part..], all_primitives * PRIMITIVE_TEXELS + keys.len() * KEY_TEXELS);
+        keys.extend(bvh.keys);
         attributes.extend(bvh.attributes);
         sources.extend(bvh.sources.iter().map(|source| first_source + source));
         first_source += group.primitives.len() as u32;
         deepest = deepest.max(bvh.depth);
     }
     let depth = depth_of_world + deepest;
-    Bvh { nodes, primitives: all, attributes, sources, depth, bounds, parts, motions: of_motions }
+    Bvh { nodes, primitives: all, attributes, sources, depth, bounds, parts, keys, motions: of_motions }
 }
 
 /// Node of a group's hierarchy as a node of the whole one.
@@ -219,9 +268,10 @@ fn moved(mut node: [u32; NODE_WORDS], part: &Part) -> [u32; NODE_WORDS] {
     node
 }
 
-fn scene_bounds(primitives: &[Primitive]) -> (Vec3, Vec3) {
+fn scene_bounds(primitives: &[Primitive], deformations: &[Deformation]) -> (Vec3, Vec3) {
     let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
-    primitives.par_iter().map(Primitive::bounds).reduce_with(union).unwrap_or((Vec3::ZERO, Vec3::ONE))
+    let still = primitives.par_iter().map(Primitive::bounds).reduce_with(union).unwrap_or((Vec3::ZERO, Vec3::ONE));
+    deformations.iter().flat_map(Deformation::boxes).map(|(_, of_key)| of_key).fold(still, union)
 }
 
 fn largest_coordinate(bounds: (Vec3, Vec3)) -> f32 {
@@ -241,28 +291,45 @@ fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
     deepest
 }
 
-/// Reorders a triangle to begin at the vertex opposite its longest edge. Cross products of the two edges from there
-/// lose the fewest digits. From another corner of a slender triangle, hit points err by more than the offset of new
-/// rays.
+/// Turn of a triangle's corners: which of them comes first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Turn(usize);
+
+impl Turn {
+    /// Turn after which a triangle begins at the vertex opposite its longest edge. Cross products of the two edges from there lose the
+    /// fewest digits. From another corner of a slender triangle, hit points err by more than the offset of new rays.
+    fn of(p: &Primitive) -> Self {
+        if p.shape != PrimitiveShape::Triangle {
+            return Self(0);
+        }
+        let [from_a, from_b, from_c] = [p.edge_v - p.edge_u, p.edge_v, p.edge_u].map(Vec3::length_squared);
+        Self(if from_b > from_a.max(from_c) { 1 } else { usize::from(from_c > from_a) * 2 })
+    }
+
+    /// First vertex and edges of a triangle that begins at this corner of a triangle with these ones.
+    fn triangle(self, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> [Vec3; 3] {
+        let opposite = edge_v - edge_u;
+        match self.0 {
+            0 => [origin, edge_u, edge_v],
+            1 => [origin + edge_u, opposite, -edge_u],
+            _ => [origin + edge_v, -edge_v, -opposite],
+        }
+    }
+
+    /// Turns what belongs to the corners.
+    fn corners<T>(self, of_corners: &mut [T; 3]) {
+        of_corners.rotate_left(self.0);
+    }
+}
+
+/// Reorders a triangle to begin at the vertex opposite its longest edge.
 fn widest_corner_first(p: &Primitive) -> Primitive {
-    if p.shape != PrimitiveShape::Triangle {
-        return *p;
-    }
-    let (b, c, opposite) = (p.edge_u, p.edge_v, p.edge_v - p.edge_u);
-    let [from_a, from_b, from_c] = [opposite, c, b].map(Vec3::length_squared);
-    let turn = |by: usize, origin: Vec3, edge_u: Vec3, edge_v: Vec3| {
-        let mut turned = Primitive { origin, edge_u, edge_v, ..*p };
-        turned.uvs.rotate_left(by);
-        turned.normals.iter_mut().for_each(|normals| normals.rotate_left(by));
-        turned
-    };
-    if from_b > from_a.max(from_c) {
-        turn(1, p.origin + b, opposite, -b)
-    } else if from_c > from_a {
-        turn(2, p.origin + c, -c, -opposite)
-    } else {
-        *p
-    }
+    let turn = Turn::of(p);
+    let [origin, edge_u, edge_v] = turn.triangle(p.origin, p.edge_u, p.edge_v);
+    let mut turned = Primitive { origin, edge_u, edge_v, ..*p };
+    turn.corners(&mut turned.uvs);
+    turned.normals.iter_mut().for_each(|normals| turn.corners(normals));
+    turned
 }
 
 fn primitive_record(p: &Primitive) -> PrimitiveRecord {

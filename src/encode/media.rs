@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::volumes::VolumeNumbers;
 use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
+use crate::scene::deformation::Deformation;
 use crate::scene::{Boundary, Media, Medium, PhaseLobe, Primitive, Scene, Volume};
 
 /// Record of a medium, which has `VolumeNumbers` of volumes.
@@ -74,10 +75,16 @@ pub fn boxes(scene: &Scene) -> Vec<(Vec3, Vec3)> {
         }
     };
     scene.primitives.iter().for_each(|primitive| add(primitive, primitive.bounds()));
+    for (index, of_key) in scene.deformations.iter().flat_map(Deformation::boxes) {
+        add(&scene.primitives[index as usize], of_key);
+    }
     for instance in &scene.instances {
-        let bounded = scene.groups[instance.group as usize].primitives.iter().filter(|own| bounds(own).is_some());
-        for primitive in bounded {
+        let group = &scene.groups[instance.group as usize];
+        for primitive in group.primitives.iter().filter(|own| bounds(own).is_some()) {
             add(primitive, scene.placed_box(instance, primitive.bounds()));
+        }
+        for (index, of_key) in group.deformations.iter().flat_map(Deformation::boxes) {
+            add(&group.primitives[index as usize], scene.placed_box(instance, of_key));
         }
     }
     let within = all.iter().map(volume_box);

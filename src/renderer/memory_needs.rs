@@ -115,7 +115,10 @@ impl MemoryNeeds {
         settings: &Settings,
         work: PictureWork,
     ) -> Self {
-        let records = size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
+        let records = size_of_val(&bvh.primitives[..])
+            + size_of_val(&bvh.attributes[..])
+            + size_of_val(&bvh.keys[..])
+            + size_of_val(&bvh.motions.records[..]);
         let hierarchy = match settings.traversal {
             Traversal::Query => QueryGeometry::estimated_bytes(bvh),
             _ => size_of_val(&bvh.nodes[..]) as u64,

@@ -32,6 +32,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         has_instances: bvh.has_instances(),
         has_placed_spheres: bvh.has_placed_spheres(),
         has_facing_disks: bvh.has_facing_disks(),
+        has_deforming: bvh.deforms(),
         motion_segments: bvh.motions.most_segments(),
         camera_segments: scene.camera_motion.as_ref().map_or(0, |motion| motion.segments().len() as u32),
         camera: camera_kind(scene.camera.projection),

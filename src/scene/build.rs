@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{DMat3, DMat4, Mat4, Vec2, Vec3};
 
+use super::deformation::{Deformation, DeformedTriangle, MOST_INTERVALS};
 use super::motion::is_even;
 use super::{
     AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, Group, Instance, IntegratorDescription, LoadOptions, Material,
@@ -72,6 +73,7 @@ impl Scene {
             integrator: IntegratorDescription::default(),
             sample_count: None,
             primitives: Vec::new(),
+            deformations: Vec::new(),
             groups: Vec::new(),
             instances: Vec::new(),
             motions: Vec::new(),
@@ -152,12 +154,32 @@ impl Scene {
         self.primitives.extend(triangles.iter().map(triangle));
     }
 
+    /// Adds a mesh with flat triangles that changes its shape while the shutter is open: sets of positions at evenly spaced times, two
+    /// to 17, and three of their indices for each triangle.
+    ///
+    /// # Panics
+    /// Where there are fewer or more sets, or an index is out of range of some set.
+    pub fn add_deforming_mesh(&mut self, sets: &[Vec<[f32; 3]>], triangles: &[[u32; 3]], surface: Surface) {
+        assert!((2..=MOST_INTERVALS + 1).contains(&sets.len()), "{} sets of positions", sets.len());
+        let first = self.primitives.len() as u32;
+        let key = |set: &Vec<[f32; 3]>, corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|corner| Vec3::from(set[corner as usize]));
+            DeformedTriangle { origin: a, edge_u: b - a, edge_v: c - a, normals: None }
+        };
+        let keys = triangles.iter().flat_map(|corners| sets.iter().map(move |set| key(set, corners))).collect();
+        self.deformations.push(Deformation { first, intervals: sets.len() as u32 - 1, keys });
+        self.add_mesh(&sets[0], triangles, surface);
+    }
+
     /// Makes a group of all primitives from the index `first` on, which are no longer shown where they are. Returns the group's index.
     ///
     /// # Panics
     /// Where there are fewer primitives.
     pub fn group_from(&mut self, first: usize) -> u32 {
-        self.groups.push(Group { primitives: self.primitives.split_off(first) });
+        let at = self.deformations.partition_point(|deformation| deformation.first < first as u32);
+        let mut deformations = self.deformations.split_off(at);
+        deformations.iter_mut().for_each(|deformation| deformation.first -= first as u32);
+        self.groups.push(Group { primitives: self.primitives.split_off(first), deformations });
         self.groups.len() as u32 - 1
     }
 
@@ -214,6 +236,7 @@ impl Scene {
                 return refuse(format!("primitive {at} has emitter {emitter}, but the scene has {count} emitters"));
             }
         }
+        self.check_deformations()?;
         for (at, instance) in self.instances.iter().enumerate() {
             if instance.group as usize >= self.groups.len() {
                 let (group, count) = (instance.group, self.groups.len());
@@ -231,6 +254,35 @@ impl Scene {
                 return refuse(format!(
                     "the transform of instance {at} has no inverse, or shears too much; add its primitives to the scene"
                 ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that deformations are those of triangles, in their order.
+    fn check_deformations(&self) -> Result<()> {
+        let of_groups = self.groups.iter().map(|group| (&group.primitives, &group.deformations));
+        for (primitives, deformations) in [(&self.primitives, &self.deformations)].into_iter().chain(of_groups) {
+            let mut next = 0;
+            for deformation in deformations {
+                let Deformation { first, intervals, ref keys } = *deformation;
+                let is_whole = (1..=MOST_INTERVALS as u32).contains(&intervals)
+                    && keys.len() % deformation.keys_of_each() == 0
+                    && first >= next
+                    && first as usize + keys.len() / deformation.keys_of_each() <= primitives.len();
+                let triangles = || deformation.triangles().map(|index| &primitives[index as usize]);
+                let is_triangle = |p: &Primitive| p.shape == PrimitiveShape::Triangle;
+                let is_finite = |key: &DeformedTriangle| {
+                    [key.origin, key.edge_u, key.edge_v].iter().all(|vector| vector.is_finite())
+                };
+                if !is_whole || !triangles().all(is_triangle) || !keys.iter().all(is_finite) {
+                    return Err(Error::Settings(format!(
+                        "the deformation from primitive {first} on does not fit: give 2 to {} finite triangles for each of its \
+                         triangles, and keep deformations in order",
+                        MOST_INTERVALS + 1
+                    )));
+                }
+                next = deformation.triangles().end;
             }
         }
         Ok(())

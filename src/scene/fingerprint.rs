@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
 
+use super::deformation::Deformation;
 use super::{Camera, Scene};
 use crate::{Error, Result};
 
@@ -49,6 +50,7 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
         integrator,
         sample_count,
         primitives,
+        deformations,
         groups,
         instances,
         motions,
@@ -66,12 +68,19 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
     let lights = (emitters, environment, delta_emitters);
     let small = (camera, film, integrator, sample_count, materials, media, &lights, textures);
     let flat = hash(&(&primitives, &images, small))?;
+    let all_deformations = [deformations].into_iter().chain(groups.iter().map(|group| &group.deformations));
+    let all_deformations: Vec<&Vec<Deformation>> = all_deformations.collect();
+    let deforms = all_deformations.iter().any(|deformations| !deformations.is_empty());
+    let deformed = if deforms { Some(hash(&all_deformations)?) } else { None };
     let groups = groups.iter().map(|group| hashes(group.primitives.par_chunks(CHUNK))).collect::<Result<Vec<_>>>()?;
     let shown = (instances.len(), hashes(instances.par_chunks(CHUNK))?);
     let is_flat = instances.is_empty() && camera_motion.is_none();
     let whole = if is_flat { flat } else { hash(&(flat, &groups, &shown, motions, camera_motion))? };
     let geometry = hash(&(&primitives, &groups, &shown, motions, camera_motion))?;
     let world = hash(&(primitives, images, (materials, media, lights, textures), groups, shown, motions))?;
+    // Scenes in which nothing deforms keep their fingerprints.
+    let with = |own: u128| deformed.map_or(Ok(own), |deformed| hash(&(own, deformed)));
+    let [whole, world, geometry] = [with(whole)?, with(world)?, with(geometry)?];
     Ok(Fingerprints { scene: format!("{whole:032x}"), world: format!("{world:032x}"), geometry })
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
+use super::deformation::Deformation;
 use super::motion::{Motion, usable_inverse};
 
 /// One primitive of the scene, in world space, or of a group, in the group's space.
@@ -79,6 +80,8 @@ impl Primitive {
 pub struct Group {
     /// The primitives.
     pub primitives: Vec<Primitive>,
+    /// How some of them change their shape, in their order.
+    pub deformations: Vec<Deformation>,
 }
 
 impl Group {

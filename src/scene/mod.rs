@@ -9,6 +9,7 @@ mod build;
 mod camera;
 mod color_matching;
 mod convert;
+pub mod deformation;
 mod description;
 pub mod emitter;
 mod faults;

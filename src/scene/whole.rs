@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::bsdf::Material;
 use super::camera::Camera;
+use super::deformation::Deformation;
 use super::emitter::{AreaEmitter, DeltaEmitter, Environment};
 use super::film::FilmDescription;
 use super::geometry::{Group, Instance, Primitive};
@@ -31,6 +32,8 @@ pub struct Scene {
     pub sample_count: Option<u32>,
     /// Shapes, flattened to world-space primitives, in file order. Copies stand for instances of small groups.
     pub primitives: Vec<Primitive>,
+    /// How some of the primitives change their shape while the shutter is open, in the primitives' order.
+    pub deformations: Vec<Deformation>,
     /// Groups of primitives that instances show.
     pub groups: Vec<Group>,
     /// Instances of the groups.
@@ -63,7 +66,7 @@ impl Scene {
     /// Axis-aligned box that holds all primitives and instances, as (minimum, maximum); `None` for an empty scene. Without instances
     /// it is the smallest one.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        bounds(&self.primitives, &self.groups, &self.instances, &self.motions)
+        bounds((&self.primitives, &self.deformations), &self.groups, &self.instances, &self.motions)
     }
 
     /// Box in the world, at all times, of a box of the group that an instance shows.
@@ -96,18 +99,21 @@ fn placed_box(instance: &Instance, motions: &[Motion], of_group: (Vec3, Vec3)) -
 /// Boxes of each segment of a motion.
 const STEPS: u32 = 16;
 
-/// Axis-aligned box that holds all primitives and instances.
+/// Axis-aligned box that holds all primitives and instances at all times.
 pub(super) fn bounds(
-    primitives: &[Primitive],
+    (primitives, deformations): (&[Primitive], &[Deformation]),
     groups: &[Group],
     instances: &[Instance],
     motions: &[Motion],
 ) -> Option<(Vec3, Vec3)> {
     let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
-    let of = |primitives: &[Primitive]| primitives.iter().map(Primitive::bounds).reduce(union);
-    let of_groups: Vec<_> = groups.iter().map(|group| of(&group.primitives)).collect();
+    let of = |primitives: &[Primitive], deformations: &[Deformation]| {
+        let deformed = deformations.iter().flat_map(Deformation::boxes).map(|(_, of_key)| of_key);
+        primitives.iter().map(Primitive::bounds).chain(deformed).reduce(union)
+    };
+    let of_groups: Vec<_> = groups.iter().map(|group| of(&group.primitives, &group.deformations)).collect();
     let placed = instances
         .iter()
         .filter_map(|instance| Some(placed_box(instance, motions, of_groups[instance.group as usize]?)));
-    of(primitives).into_iter().chain(placed).reduce(union)
+    of(primitives, deformations).into_iter().chain(placed).reduce(union)
 }

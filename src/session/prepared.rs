@@ -208,7 +208,7 @@ fn build(
     if let Cow::Owned(scene) = &mut scene {
         // The hierarchy and the surfaces have all that the renderer needs of the primitives.
         drop((std::mem::take(&mut scene.primitives), std::mem::take(&mut scene.groups)));
-        drop(std::mem::take(&mut scene.instances));
+        drop((std::mem::take(&mut scene.instances), std::mem::take(&mut scene.deformations)));
     }
     watch.tell(Event::Preparing(Preparation::Kernels));
     let (registry, work) = (inputs.kernels.registry(), inputs.picture_work());

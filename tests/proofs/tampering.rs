@@ -10,8 +10,9 @@ use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::mutated::{
-    DIMMED_TWICE, FAR_OFF, FEW_SURFACES, GRID_DIMMED_TWICE, INSTANCE_FAULTS, LOW_MAJORANTS, MOTION_FAULTS, OTHER_PHASE,
-    OTHER_SIDE, SHORT_OF_LIGHT, STRAIGHT_SHADES, TILTED_BACK, TURNED_TO_HOLE, UNWEIGHTED_NULL, WRONG_DIRECTION,
+    DEFORMING_FAULTS, DIMMED_TWICE, FAR_OFF, FEW_SURFACES, GRID_DIMMED_TWICE, INSTANCE_FAULTS, LOW_MAJORANTS,
+    MOTION_FAULTS, OTHER_PHASE, OTHER_SIDE, SHORT_OF_LIGHT, STRAIGHT_SHADES, TILTED_BACK, TURNED_TO_HOLE,
+    UNWEIGHTED_NULL, WRONG_DIRECTION,
 };
 use support::tier;
 
@@ -264,7 +265,8 @@ fn every_mutation_is_a_fault_or_harmless() {
             .into_iter()
             .chain(OF_MEDIA)
             .chain(INSTANCE_FAULTS)
-            .chain(MOTION_FAULTS);
+            .chain(MOTION_FAULTS)
+            .chain(DEFORMING_FAULTS);
     let used: Vec<_> = used.filter_map(|subject| subject.mutation).chain(elsewhere).collect();
     let unused: Vec<_> = tampered::MUTATIONS.iter().map(|m| m.name).filter(|name| !used.contains(name)).collect();
     assert!(unused.is_empty(), "{unused:?}");

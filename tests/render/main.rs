@@ -11,6 +11,7 @@ mod cells;
 mod choices;
 mod closed;
 mod closed_forms;
+mod deforming;
 mod determinism;
 mod device;
 mod differences;

@@ -3,7 +3,8 @@
 use glam::{DMat4, DVec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::image::Image;
-use lodestar::scene::{Camera, Course, Instance, Motion, Projection, Scene};
+use lodestar::scene::deformation::Deformation;
+use lodestar::scene::{Camera, Course, Instance, Motion, Primitive, Projection, Scene};
 use lodestar::settings::{Execution, SamplePattern, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::instances::{copied, dented_ball};
@@ -14,19 +15,19 @@ use support::tier;
 use crate::determinism::bits;
 use crate::device::{Device, steps};
 
-fn motion(keys: &[(f64, DMat4)]) -> Motion {
+pub fn motion(keys: &[(f64, DMat4)]) -> Motion {
     match Motion::of_keys(keys, [0.0, 1.0]) {
         Ok(Course::Moving(motion)) => motion,
         other => panic!("{other:?}"),
     }
 }
 
-fn moved(x: f64, y: f64, z: f64) -> DMat4 {
+pub fn moved(x: f64, y: f64, z: f64) -> DMat4 {
     DMat4::from_translation(DVec3::new(x, y, z))
 }
 
 /// An orthographic camera that sees x from -1 to 1 in a row of pixels, and a lamp of the radiance 1 that is 0.5 wide.
-fn edge(lamp: Option<Motion>, camera: Option<Motion>) -> Scene {
+pub fn edge(lamp: Option<Motion>, camera: Option<Motion>) -> Scene {
     let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 40.0), 16, 1);
     scene.camera.projection = Projection::Orthographic;
     let light = scene.add_light([1.0; 3]);
@@ -52,7 +53,7 @@ fn coverage(pixel: u32) -> f64 {
 }
 
 /// Largest deviation of a row of pixels from the closed form, in standard deviations.
-fn deviation(image: &Image, spp: u32) -> f64 {
+pub fn deviation(image: &Image, spp: u32) -> f64 {
     let of = |(pixel, value): (u32, &[f32; 3])| {
         let expected = coverage(pixel);
         // Each sample is 0 or 1.
@@ -62,9 +63,9 @@ fn deviation(image: &Image, spp: u32) -> f64 {
     (0..).zip(&image.pixels).map(of).fold(0.0, f64::max)
 }
 
-const SPP: u32 = 1024;
+pub const SPP: u32 = 1024;
 
-fn row(device: &Device, scene: &Scene, bvh: &Bvh, pattern: SamplePattern) -> Image {
+pub fn row(device: &Device, scene: &Scene, bvh: &Bvh, pattern: SamplePattern) -> Image {
     let settings = Settings { pattern, ..settings(scene, [16, 1], Sampler::Bsdf, 5) };
     let mut renderer = mutated::renderer(device.context(), scene, bvh, &settings, None);
     steps(&mut renderer, &settings, SPP);
@@ -100,9 +101,31 @@ fn coverage_of_a_moving_edge() {
     }
 }
 
+/// Moves the vertices of triangles that deform to where they are at a time, for ever.
+fn deform(primitives: &mut [Primitive], deformations: &mut Vec<Deformation>, time: f64) {
+    for deformation in deformations.drain(..) {
+        for index in deformation.triangles() {
+            let place = time * f64::from(deformation.intervals);
+            let before = (place as usize).min(deformation.intervals as usize - 1);
+            let keys = &deformation.keys_of(index)[before..];
+            let (a, b, way) = (keys[0], keys[1], (place - before as f64) as f32);
+            let normals = a.normals.zip(b.normals);
+            primitives[index as usize] = Primitive {
+                origin: a.origin.lerp(b.origin, way),
+                edge_u: a.edge_u.lerp(b.edge_u, way),
+                edge_v: a.edge_v.lerp(b.edge_v, way),
+                normals: normals.map(|(a, b)| [0, 1, 2].map(|corner| a[corner].lerp(b[corner], way).normalize())),
+                ..primitives[index as usize]
+            };
+        }
+    }
+}
+
 /// The scene as it stands at a time.
-fn at(scene: &Scene, time: f64) -> Scene {
+pub fn at(scene: &Scene, time: f64) -> Scene {
     let mut still = scene.clone();
+    deform(&mut still.primitives, &mut still.deformations, time);
+    still.groups.iter_mut().for_each(|group| deform(&mut group.primitives, &mut group.deformations, time));
     for instance in &mut still.instances {
         if let Some(motion) = instance.motion {
             *instance = Instance::new(instance.group, &scene.motions[motion as usize].at(time));
@@ -141,7 +164,7 @@ fn busy() -> Scene {
 }
 
 /// Mean of pictures at so many times, in the middles of equal parts of the shutter's time.
-fn averaged(device: &Device, scene: &Scene, size: [u32; 2], times: u32, spp: u32) -> Estimate {
+pub fn averaged(device: &Device, scene: &Scene, size: [u32; 2], times: u32, spp: u32) -> Estimate {
     let pixels = (size[0] * size[1]) as usize;
     let (mut mean, mut variance) = (vec![[0.0_f64; 3]; pixels], vec![[0.0_f64; 3]; pixels]);
     for part in 0..times {

@@ -114,11 +114,29 @@ fn a_mesh_in_memory_becomes_a_ply_file_with_all_attributes() {
             ("uvs", rows(2, &[0.1, 0.2, 0.7, 0.2, 0.1, 0.9])),
         ],
     );
+    let sets = |key, values: &[f64]| (key, Value::Array(Array { shape: vec![2, 3, 3], values: values.to_vec() }));
+    let bent = object(
+        "mesh",
+        vec![
+            sets(
+                "vertices",
+                &[0.0, 0.0, 2.0, 1.0, 0.0, 2.0, 0.0, 1.0, 2.0, 0.1, 0.0, 2.0, 1.0, 0.5, 2.0, 0.0, 1.0, 3.0],
+            ),
+            sets(
+                "normals",
+                &[0.0, 0.6, 0.8, 0.0, 0.0, 1.0, 0.6, 0.0, 0.8, 0.6, 0.0, 0.8, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0],
+            ),
+            ("faces", rows(3, &[0.0, 1.0, 2.0])),
+        ],
+    );
+    let shutter = vec![("shutter_open", Value::Number(0.0)), ("shutter_close", Value::Number(1.0))];
+    let eye = object("perspective", shutter);
     let scene = |with_normals| {
         object(
             "scene",
             vec![
-                ("eye", Value::Object(object("perspective", vec![]))),
+                ("eye", Value::Object(eye.clone())),
+                ("bent", Value::Object(bent.clone())),
                 ("colored", Value::Object(mesh(with_normals))),
                 ("plain", Value::Object(plain.clone())),
             ],
@@ -126,7 +144,8 @@ fn a_mesh_in_memory_becomes_a_ply_file_with_all_attributes() {
     };
     let folder = Folder::new(&[]);
     let output = folder.path("out.xml");
-    assert_eq!(convert_dictionary(&scene(true), &output, false).unwrap().file_count, 2);
+    assert_eq!(convert_dictionary(&scene(true), &output, false).unwrap().file_count, 3);
+    assert_eq!(Scene::from_dictionary(&scene(true)).unwrap().deformations.len(), 1);
     let of = |dictionary: &Dictionary| fingerprint(&Scene::from_dictionary(dictionary).unwrap()).unwrap();
     let written = fingerprint(&read(&output)).unwrap();
     assert_eq!(written, of(&scene(true)));

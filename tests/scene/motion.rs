@@ -100,3 +100,67 @@ fn mirrored_shapes_that_move() {
     assert_eq!(moving.groups[0].primitives, still.primitives);
     assert!(moving.motions[0].at(0.0).abs_diff_eq(DMat4::IDENTITY, 1.0e-6));
 }
+
+/// A mesh of two triangles whose PLY file has this many sets of vertices more; each lies one unit higher. The last column of `normals` is
+/// whether sets have normals.
+fn sets(more: usize, normals: bool) -> String {
+    let kinds: &[&str] = if normals { &["position", "normal"] } else { &["position"] };
+    let first = ["x", "y", "z"].into_iter().chain(if normals { vec!["nx", "ny", "nz"] } else { Vec::new() });
+    let mut names: Vec<String> = first.map(str::to_owned).collect();
+    for at in 1..=more {
+        names.extend(kinds.iter().flat_map(|kind| ["x", "y", "z"].map(|axis| format!("{kind}{at}_{axis}"))));
+    }
+    let properties: String = names.iter().map(|name| format!("property float {name}\n")).collect();
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex 4\n{properties}element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    for [x, y] in [[0, 0], [1, 0], [1, 1], [0, 1]] {
+        let of_set = |z: usize| format!("{x} {y} {z} {}", if normals { "0 0 -1 " } else { "" });
+        text += &((0..=more).map(of_set).collect::<String>() + "\n");
+    }
+    text + "3 0 1 2\n3 0 2 3\n"
+}
+
+fn load_sets(sensor: &str, body: &str, more: usize, normals: bool) -> lodestar::Result<lodestar::scene::Scene> {
+    let text = format!("<scene version=\"3.0.0\">{sensor}{body}</scene>");
+    Folder::new(&[("scene.xml", &text), ("mesh.ply", &sets(more, normals))]).load(&[])
+}
+
+const SHEET: &str = r#"<shape type="ply"><string name="filename" value="mesh.ply"/><emitter type="area"/></shape>"#;
+
+/// Sets of vertices of PLY files, in the world and in groups that instances show.
+#[test]
+fn sets_of_vertices() {
+    for (more, normals) in [(1, false), (2, true), (16, false)] {
+        let scene = load_sets(SENSOR, SHEET, more, normals).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let deformation = &scene.deformations[0];
+        assert_eq!((scene.deformations.len(), deformation.triangles(), deformation.intervals), (1, 0..2, more as u32));
+        for (at, key) in deformation.keys_of(1).iter().enumerate() {
+            assert_eq!((key.origin.to_array(), key.edge_u.to_array()), ([0.0, 0.0, at as f32], [1.0, 1.0, 0.0]));
+            // Computed normals are those of the face.
+            let z = if normals { -1.0 } else { 1.0 };
+            assert!(key.normals.unwrap().iter().all(|normal| normal.to_array() == [0.0, 0.0, z]));
+        }
+        assert_eq!(scene.bounds().unwrap().1.z, more as f32);
+    }
+    let refused = load_sets(SENSOR, SHEET, 17, false).unwrap_err().to_string();
+    assert!(refused.contains("mesh.ply: the mesh has more than 17 sets of vertices"), "{refused}");
+    let group = format!(
+        r#"<shape type="rectangle"/><shape type="shapegroup" id="g">{SHEET}<shape type="disk"/>{SHEET}</shape>
+        <shape type="instance"><ref id="g"/>{ANIMATION}</shape>"#
+    );
+    let scene = load_sets(SENSOR, &group, 1, false).unwrap();
+    assert!(scene.deformations.is_empty());
+    let firsts: Vec<_> = scene.groups[0].deformations.iter().map(|deformation| deformation.first).collect();
+    assert_eq!((scene.groups[0].primitives.len(), firsts), (5, vec![0, 3]));
+    assert!(scene.bounds().unwrap().1.x > 2.0);
+}
+
+/// Without time, a mesh has its first shape.
+#[test]
+fn sets_need_time() {
+    let scene = load_sets(r#"<sensor type="perspective"/>"#, SHEET, 2, false).unwrap();
+    assert!(scene.deformations.is_empty() && scene.warnings[0].contains("it does not move"), "{:?}", scene.warnings);
+    assert_eq!(scene.bounds().unwrap().1.z, 0.0);
+}

@@ -394,7 +394,7 @@ class _Exporter:
         wanted = [Wanted(m.uv_map, m.color_attribute, m.emission is not None) for m in used]
         key = (owner.data.as_pointer(), tuple(wanted))
         if key not in self.parts:
-            self.parts[key] = self.meshes.export(owner, wanted, is_kept)
+            self.parts[key] = self.meshes.export(owner, wanted, is_kept, self.motions.vertices(owner))
         return self.parts[key]
 
     def _shape(self, file: str, key: str, is_unseen: bool) -> xml.Element:

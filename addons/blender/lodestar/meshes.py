@@ -6,13 +6,14 @@ A mesh that has not changed has the same name as before, and its file is there a
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
 from . import attributes
+from .motion import Vertices
 from .report import Report
 
 
@@ -96,25 +97,26 @@ class Meshes:
         self.used: set[str] = set()
         self.written = 0
 
-    def export(self, instance: Any, wanted: list[Wanted], is_kept: bool) -> list[Part]:
-        """Writes the parts of an evaluated object in its own space, unless they are kept from before."""
+    def export(self, instance: Any, wanted: list[Wanted], is_kept: bool, sets: Sequence[Vertices] = ()) -> list[Part]:
+        """Writes the parts of an evaluated object in its own space, unless they are kept from before. `sets` are its vertices at times of
+        the shutter, where its shape changes."""
         if self._kept is None or not is_kept:
-            return self._export(instance, wanted)
+            return self._export(instance, wanted, sets)
         parts = self._kept.find(instance, wanted, self.folder)
         if parts is None:
-            parts = self._export(instance, wanted)
+            parts = self._export(instance, wanted, sets)
             self._kept.keep(instance, wanted, parts)
         self.used.update(file for part in parts for file in part.files)
         return parts
 
-    def _export(self, instance: Any, wanted: list[Wanted]) -> list[Part]:
+    def _export(self, instance: Any, wanted: list[Wanted], sets: Sequence[Vertices]) -> list[Part]:
         mesh = instance.to_mesh()
         try:
-            return [] if mesh is None else self._parts(mesh, wanted, f'object "{instance.name}"')
+            return [] if mesh is None else self._parts(mesh, wanted, f'object "{instance.name}"', sets)
         finally:
             instance.to_mesh_clear()
 
-    def _parts(self, mesh: Any, wanted: list[Wanted], place: str) -> list[Part]:
+    def _parts(self, mesh: Any, wanted: list[Wanted], place: str, sets: Sequence[Vertices]) -> list[Part]:
         mesh.calc_loop_triangles()
         count = len(mesh.loop_triangles)
         if count == 0:
@@ -124,16 +126,16 @@ class Meshes:
         positions = _get(mesh.vertices, "co", 3 * len(mesh.vertices), np.float32).reshape(-1, 3)
         vertex_of_loop = _get(mesh.loops, "vertex_index", len(mesh.loops), np.int32)
         normals = _get(mesh.corner_normals, "vector", 3 * len(mesh.loops), np.float32).reshape(-1, 3)
+        if not sets or sets[0].positions.shape != positions.shape or sets[0].normals.shape != normals.shape:
+            sets = [Vertices(positions, normals)]
         _note_twins(positions, vertex_of_loop[loops], place, self.report)
         # Of a flat face that is not plane, each triangle is flat in Cycles, unless the mesh has normals of its own.
         is_flat = ~_get(mesh.loop_triangles, "use_smooth", count, bool) & (not mesh.has_custom_normals)
         parts = []
         for slot in np.unique(slots):
             corners = loops[slots == slot].ravel()
-            places = positions[vertex_of_loop[corners]]
-            of_corners = normals[corners]
-            columns = [places, np.where(is_flat[slots == slot].repeat(3)[:, None], _flat(places, of_corners), of_corners)]
-            names = ["x", "y", "z", "nx", "ny", "nz"]
+            of_sets = [_columns(each, corners, vertex_of_loop, is_flat[slots == slot].repeat(3)) for each in sets]
+            columns, names = [of_sets[0]], ["x", "y", "z", "nx", "ny", "nz"]
             for values, of in (
                 (_uvs(mesh, wanted[slot].uv_map, place, self.report), ("u", "v")),
                 (_colors(mesh, wanted[slot].color_attribute, vertex_of_loop, place, self.report), ("r", "g", "b")),
@@ -141,10 +143,13 @@ class Meshes:
                 if values is not None:
                     columns.append(values[corners])
                     names.extend(of)
+            for at, later in enumerate(of_sets[1:], 1):
+                columns.append(later)
+                names.extend(f"{kind}{at}_{axis}" for kind in ("position", "normal") for axis in "xyz")
             vertices = np.ascontiguousarray(np.concatenate(columns, axis=1), np.float32)
             file = self._write(names, vertices)
             is_open = wanted[slot].emits and not _is_closed(vertex_of_loop[corners].reshape(-1, 3))
-            parts.append(Part(int(slot), file, self._write(names, _turned(vertices)) if is_open else None))
+            parts.append(Part(int(slot), file, self._write(names, _turned(vertices, len(sets) - 1)) if is_open else None))
         return parts
 
     def _write(self, names: list[str], corners: np.ndarray) -> str:
@@ -183,12 +188,19 @@ def _flat(places: np.ndarray, of_corners: np.ndarray) -> np.ndarray:
     return np.where(is_other, normals / np.maximum(lengths, 1e-300), of_corners).astype(np.float32)
 
 
-def _turned(corners: np.ndarray) -> np.ndarray:
-    """Triangles that face the other way, a little behind the given ones."""
+def _columns(vertices: Vertices, corners: np.ndarray, vertex_of_loop: np.ndarray, is_flat: np.ndarray) -> np.ndarray:
+    """Places and normals of triangles' corners."""
+    places, of_corners = vertices.positions[vertex_of_loop[corners]], vertices.normals[corners]
+    return np.concatenate([places, np.where(is_flat[:, None], _flat(places, of_corners), of_corners)], axis=1)
+
+
+def _turned(corners: np.ndarray, later_sets: int) -> np.ndarray:
+    """Triangles that face the other way, a little behind the given ones. The last columns have later sets of places and normals."""
     turned = corners.reshape(-1, 3, corners.shape[1])[:, ::-1].reshape(corners.shape).copy()
-    size = np.linalg.norm(np.ptp(corners[:, :3], axis=0))
-    turned[:, :3] -= 1e-5 * size * turned[:, 3:6]
-    turned[:, 3:6] *= -1.0
+    for first in [0, *(corners.shape[1] - 6 * (at + 1) for at in range(later_sets))]:
+        places, normals = turned[:, first : first + 3], turned[:, first + 3 : first + 6]
+        places -= 1e-5 * np.linalg.norm(np.ptp(corners[:, first : first + 3], axis=0)) * normals
+        normals *= -1.0
     return turned
 
 

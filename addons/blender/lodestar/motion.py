@@ -87,6 +87,8 @@ class Motions:
         self._keys: dict[Hashable, dict[float, Any]] = {}
         # Shapes and lenses when the shutter opens.
         self._first: dict[Hashable, _Shape] = {}
+        # Vertices of the meshes of objects that change their shape, by the names of the objects and the times.
+        self._vertices: dict[str, dict[float, Vertices]] = {}
         # Shapes of the visited time by the pointers of their data, and whether a pair of both times is equal.
         self._shapes: dict[int, _Shape] = {}
         self._equal: dict[tuple[int, int], bool] = {}
@@ -102,11 +104,26 @@ class Motions:
             pending = (pending | {time for times in self._times.values() for time in times}) - done
         open_shutter.go(0.5)
         self._keys = {name: keys for name, keys in self._keys.items() if any(key != keys[min(keys)] for key in keys.values())}
+        self._vertices = {name: sets for name, sets in self._vertices.items() if self._deforms(name, list(sets.values()))}
         for each in (self._first, self._shapes, self._equal):
             each.clear()
 
     def __bool__(self) -> bool:
-        return bool(self._keys)
+        return bool(self._keys or self._vertices)
+
+    def vertices(self, owner: Any) -> list[Vertices]:
+        """Vertices of an object's mesh at evenly spaced times of the shutter; none where it keeps its shape."""
+        sets = self._vertices.get(owner.name_full, {})
+        return [sets[time] for time in sorted(sets)]
+
+    def _deforms(self, name: str, sets: list[Vertices]) -> bool:
+        """Whether the vertices of a mesh move. Reports a mesh whose vertices become more or fewer."""
+        first = sets[0]
+        if any(each.positions.shape != first.positions.shape or each.normals.shape != first.normals.shape for each in sets):
+            message = "its vertices become more or fewer while the shutter is open, which is not supported; it keeps its shape"
+            self._report.warn(f'object "{name}"', message)
+            return False
+        return any(not np.array_equal(each.positions, first.positions) for each in sets[1:])
 
     def course(self, name: Hashable, matrix: Any, place: str) -> Course:
         """Course of an instance or of the camera, whose place in the middle of the time is `matrix`."""
@@ -133,8 +150,16 @@ class Motions:
             self._times[name] = key_times(owner, parent, self._report)
         if time in self._times[name]:
             self._keys.setdefault(name, {})[time] = matrix.copy()
-            if time in (0.0, 1.0):
+            if owner.type == "MESH" and _may_change(owner) and self._is_own(owner):
+                sets = self._vertices.setdefault(owner.name_full, {})
+                if time not in sets:
+                    sets[time] = Vertices.of(owner.data)
+            elif time in (0.0, 1.0):
                 self._compare(name, owner, time)
+
+    def _is_own(self, owner: Any) -> bool:
+        """Whether an instance shows the mesh of its object, and not one that nodes have made for it."""
+        return owner.original.evaluated_get(self._depsgraph).data.as_pointer() == owner.data.as_pointer()
 
     def _compare(self, name: Hashable, owner: Any, time: float) -> None:
         """Reports a shape or a lens that is another when the shutter closes than when it opens."""
@@ -160,6 +185,21 @@ class Motions:
         else:
             message = "its shape changes while the shutter is open, which is not supported; it moves as a whole"
             self._report.warn(f'object "{owner.name}"', message)
+
+
+class Vertices(NamedTuple):
+    """Vertices of a mesh at a time."""
+
+    positions: np.ndarray
+    # Normals of the faces' corners.
+    normals: np.ndarray
+
+    @staticmethod
+    def of(mesh: Any) -> Vertices:
+        positions, normals = np.empty(3 * len(mesh.vertices), np.float32), np.empty(3 * len(mesh.loops), np.float32)
+        mesh.vertices.foreach_get("co", positions)
+        mesh.corner_normals.foreach_get("vector", normals)
+        return Vertices(positions.reshape(-1, 3), normals.reshape(-1, 3))
 
 
 class _Shape(NamedTuple):

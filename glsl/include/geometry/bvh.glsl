@@ -61,6 +61,15 @@ uvec4 moving_texel(uint instance, uint texel) {
     return primitive_texel(instance, texel);
 }
 
+uvec4 deforming_texel(uint primitive, uint texel) {
+    return primitive_texel(primitive, texel);
+}
+
+// Texel of the key of a deforming triangle that begins at the texel `first` of the primitives' buffer.
+uvec4 key_texel(uint first, uint texel) {
+    return motion_texel(first, texel);
+}
+
 uvec4 placement_texel(uint instance, uint texel) {
     return attribute_texel(instance, texel);
 }

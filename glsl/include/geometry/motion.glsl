@@ -9,6 +9,7 @@
 
 // Whether a path has a time.
 bool has_time() {
+    if (HAS_DEFORMING) return true;
     return (MOTION_SEGMENTS | CAMERA_SEGMENTS) != 0u;
 }
 

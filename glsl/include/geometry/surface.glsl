@@ -2,6 +2,7 @@
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 #include "geometry/bvh.glsl"
+#include "geometry/deforming.glsl"
 #include "geometry/facing.glsl"
 #include "math/direction.glsl"
 #include "geometry/instance.glsl"
@@ -215,7 +216,7 @@ void place_on_sphere(inout Surface s, Ray ray, Hit hit, vec3 center, float radiu
 }
 
 Surface surface_at(Ray ray, Hit hit) {
-    PrimitiveRecord p = load_primitive(hit.primitive);
+    PrimitiveRecord p = primitive_now(hit.primitive);
     AttributeRecord attributes = load_attribute(hit.primitive);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
 
@@ -260,6 +261,10 @@ Surface surface_at(Ray ray, Hit hit) {
         s.shading_normal = moved
             ? interpolated_normal(attributes.normals, hit.uv, s.geometric_normal, placement.local)
             : interpolated_normal(attributes.normals, hit.uv, s.geometric_normal);
+        if (is_deforming(p.flags)) {
+            mat3 transform = moved ? placement.local : mat3(1.0);
+            s.shading_normal = deformed_normal(hit.primitive, hit.uv, s.geometric_normal, transform);
+        }
     }
     s.material = attributes.material;
     s.emitter = attributes.emitter;

@@ -3,6 +3,7 @@
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL
 #include "geometry/bvh.glsl"
+#include "geometry/deforming.glsl"
 #include "geometry/facing.glsl"
 #include "geometry/instance.glsl"
 #include "geometry/intersect.glsl"
@@ -13,14 +14,15 @@ bool meets_front(vec3 direction, uint primitive, PrimitiveRecord p, vec2 uv) {
     vec3 n = plane_normal(p.edge_u, p.edge_v);
     if ((p.flags & PRIMITIVE_FLIP_NORMAL) != 0u) n = -n;
     bool interpolates = HAS_VERTEX_NORMALS && (p.flags & PRIMITIVE_VERTEX_NORMALS) != 0u;
-    if (interpolates) n = interpolated_normal(attribute_normals(primitive), uv, n);
+    if (interpolates && is_deforming(p.flags)) n = deformed_normal(primitive, uv, n, mat3(1.0));
+    else if (interpolates) n = interpolated_normal(attribute_normals(primitive), uv, n);
     return dot(n, direction) < 0.0;
 }
 
 // Tests one primitive, which an instance shows or none. `ray` is in the primitive's space, and `world_ray` is the same in the world, where
 // spheres are met. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
 bool intersect_primitive(Ray ray, Ray world_ray, uint instance, uint primitive, inout Hit hit) {
-    PrimitiveRecord p = load_primitive(primitive);
+    PrimitiveRecord p = primitive_now(primitive);
     if (HAS_INSTANCES && instance != NONE) p.edge_tolerance *= length(ray.direction);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
     float t = hit.t;

@@ -4,6 +4,7 @@
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 #include "bsdf/thin_dielectric.glsl"
+#include "geometry/deforming.glsl"
 #include "light/emitter.glsl"
 #include "light/environment.glsl"
 #include "light/light_selection.glsl"
@@ -100,7 +101,7 @@ uint patches_per_light() {
 
 // The light's primitive, which an instance shows or none, in the world. A facing disk is the one that is turned to the point which it lights.
 PrimitiveRecord light_in_world(uint primitive, uint instance) {
-    PrimitiveRecord p = load_primitive(primitive);
+    PrimitiveRecord p = primitive_now(primitive);
     if (has_light(LIGHT_PLACED) && is_moved(instance)) p = primitive_in_world(p, placement_of(instance));
     if (is_facing(p)) p = turned_disk(p);
     return p;

@@ -48,8 +48,29 @@ struct MovingRecord {
     uint first_light;    // index of the instance's first light
 };
 
+// Triangle whose vertices move while the shutter is open. It lies among the primitives, with what a PrimitiveRecord has that does not
+// depend on time.
+struct DeformingRecord {
+    vec3 origin;     // first vertex where the shutter opens
+    uint flags;      // SHAPE_* and PRIMITIVE_*
+    vec3 edge_u;     // first edge vector where the shutter opens
+    uint intervals;  // number of equal parts of the shutter's time, at whose ends the triangle has a KeyRecord
+    vec3 edge_v;     // second edge vector where the shutter opens
+    uint first_key;  // texel of the first of its KeyRecords, which follow each other behind all primitives
+};
+
+// Deforming triangle at a time.
+struct KeyRecord {
+    vec3 origin;   // first vertex
+    uint normal0;  // normal of the first vertex in octahedral encoding, 16 bits per coordinate
+    vec3 edge_u;   // first edge vector
+    uint normal1;  // normal of the second vertex
+    vec3 edge_v;   // second edge vector
+    uint normal2;  // normal of the third vertex
+};
+
 // Segment of a motion, from one key to the next. With s from 0 to 1 on the way, the matrix is that of a rotation by s times the angle, after
-// the stretch plus s times its growth. Segments follow each other in the order of time, behind all primitives.
+// the stretch plus s times its growth. Segments follow each other in the order of time, behind all primitives and their keys.
 struct MotionRecord {
     vec3 origin;     // place of the origin at the segment's start
     float start;     // time at which the segment starts: 0 where the shutter opens, 1 where it closes

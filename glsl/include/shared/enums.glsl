@@ -80,6 +80,9 @@ const uint PRIMITIVE_FACING = 512u;
 // Rays that come straight from the camera pass the shape.
 const uint PRIMITIVE_UNSEEN = 1024u;
 
+// The shape is a triangle whose vertices move while the shutter is open.
+const uint PRIMITIVE_DEFORMING = 2048u;
+
 // Kind of a material that is a choice between two materials. The files of the folder bsdf declare the numbers of the other kinds.
 const uint MATERIAL_BLEND = 13u;
 const uint MATERIAL_SIDES = 14u;

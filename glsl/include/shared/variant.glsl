@@ -74,6 +74,8 @@ layout(constant_id = 25) const bool HAS_FACING_DISKS = false;
 layout(constant_id = 22) const uint MOTION_SEGMENTS = 0u;
 // Number of segments of the camera's motion; 0 where it stands still.
 layout(constant_id = 23) const uint CAMERA_SEGMENTS = 0u;
+// Whether the vertices of some triangle move while the shutter is open.
+layout(constant_id = 27) const bool HAS_DEFORMING = false;
 
 // Kinds of material in the scene: bit 1 << kind for each kind.
 layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;

@@ -7,6 +7,7 @@ use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
+use crate::scene::deformation::{Deformation, deformation_of};
 use crate::scene::{Primitive, PrimitiveShape};
 
 /// Least area of a box to be split, as a multiple of the mean area: `split_aabbs_preset` ignores smaller ones.
@@ -22,23 +23,29 @@ pub(super) struct Boxes {
 impl Boxes {
     /// Boxes of all primitives, then those of instances. Each reaches beyond its content by the share `margin` of its content's largest
     /// coordinate.
-    pub fn new(primitives: &[Primitive], instances: Vec<Aabb>, margin: f32) -> Self {
+    pub fn new(primitives: &[Primitive], deformations: &[Deformation], instances: Vec<Aabb>, margin: f32) -> Self {
         let mut boxes: Vec<Aabb> = primitives.par_iter().map(box_of).collect();
+        for (index, (min, max)) in deformations.iter().flat_map(Deformation::boxes) {
+            let own = &mut boxes[index as usize];
+            *own = own.union(&Aabb::new(min.into(), max.into()));
+        }
         boxes.extend(instances);
         let mut all = Self { primitives: (0..boxes.len() as u32).collect(), boxes };
         let margins: Vec<f32> = all.boxes.par_iter().map(|aabb| margin * largest_coordinate(aabb)).collect();
-        all.split(primitives, &margins);
+        all.split(primitives, deformations, &margins);
         let of_primitives = all.primitives.par_iter().map(|&primitive| margins[primitive as usize]);
         all.boxes.par_iter_mut().zip(of_primitives).for_each(|(aabb, margin)| *aabb = padded(*aabb, margin));
         all
     }
 
-    fn split(&mut self, primitives: &[Primitive], margins: &[f32]) {
+    fn split(&mut self, primitives: &[Primitive], deformations: &[Deformation], margins: &[f32]) {
         let areas = || self.boxes.iter().map(Aabb::half_area);
         let mean = (areas().map(f64::from).sum::<f64>() / self.boxes.len() as f64) as f32;
         let largest = areas().fold(0.0, f32::max);
         let is_split = |&i: &u32| {
-            self.boxes[i as usize].half_area() > SMALLEST_SPLIT * mean && can_be_split(&primitives[i as usize])
+            self.boxes[i as usize].half_area() > SMALLEST_SPLIT * mean
+                && can_be_split(&primitives[i as usize])
+                && deformation_of(deformations, i).is_none()
         };
         let split: Vec<u32> = (0..primitives.len() as u32).filter(is_split).collect();
         let triangles: Vec<Triangle> = split.iter().map(|&i| triangle(&primitives[i as usize])).collect();
@@ -130,7 +137,7 @@ mod tests {
     #[test]
     fn parts_of_a_slender_triangle_hold_it_and_are_smaller() {
         let primitives = among_small_ones(primitive(PrimitiveShape::Triangle, None, 1.0));
-        let boxes = Boxes::new(&primitives, Vec::new(), MARGIN);
+        let boxes = Boxes::new(&primitives, &[], Vec::new(), MARGIN);
         assert!((0..100).all(|i| boxes.primitives[i as usize] == i));
         let parts = parts(&boxes, 50);
         assert!(parts.len() > 4, "{} parts", parts.len());
@@ -152,7 +159,7 @@ mod tests {
         let light = primitive(PrimitiveShape::Triangle, Some(0), 1.0);
         let disk = primitive(PrimitiveShape::Disk, None, 1.0);
         for large in [flat, light, disk] {
-            let boxes = Boxes::new(&among_small_ones(large), Vec::new(), MARGIN);
+            let boxes = Boxes::new(&among_small_ones(large), &[], Vec::new(), MARGIN);
             assert_eq!(boxes.primitives, (0..100).collect::<Vec<u32>>());
             let (padded, (min, max)) = (boxes.boxes[50], large.bounds());
             assert!(holds(&padded, min.into()) && holds(&padded, max.into()));
@@ -173,7 +180,7 @@ mod tests {
             let edge_v = edge_u + 0.2 * apart;
             let origin = f32::from(round) * vec3(1.0, -0.3, 0.01);
             let large = Primitive { origin, edge_u, edge_v, ..primitive(PrimitiveShape::Triangle, None, 1.0) };
-            let grown = Boxes::new(&among_small_ones(large), Vec::new(), BOX_MARGIN);
+            let grown = Boxes::new(&among_small_ones(large), &[], Vec::new(), BOX_MARGIN);
             split_count += usize::from(grown.boxes.len() > 100);
             let point = origin + 0.5 * (coordinate() + 1.0) * edge_u.lerp(edge_v, 0.5 * (coordinate() + 1.0));
             assert!(parts(&grown, 50).iter().any(|part| holds(part, point.into())), "{large:?} at {point}");

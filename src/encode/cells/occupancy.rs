@@ -6,8 +6,8 @@ use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::Grid;
-use crate::encode::bvh::Bvh;
 use crate::encode::bvh::instances::{is_instance, motion_of, part_of, placed, shown};
+use crate::encode::bvh::{Bvh, is_deforming};
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 
@@ -31,10 +31,15 @@ pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
     let of_world = bvh.world_len();
     let (records, attributes) = (&bvh.primitives[..of_world], &bvh.attributes[..of_world]);
     let instances = records.par_iter().filter(|record| bvh.has_instances() && is_instance(record));
-    let is_exact =
-        instances.map(|record| part_of(&bvh.parts, record).primitives.len() as u64).sum::<u64>() <= MOST_PLACED;
+    let is_exact = instances.map(|record| part_of(&bvh.parts, record).primitives.len() as u64).sum::<u64>()
+        <= MOST_PLACED
+        && !bvh.deforms();
     records.par_iter().zip(attributes).for_each(|(record, attributes)| match is_instance(record) {
         true => for_touched_by_instance(bvh, grid, record, attributes, is_exact, occupy),
+        false if is_deforming(record) => {
+            let (min, max) = bvh.box_of_deforming(record);
+            for_places_of_box(grid, [min, max], occupy);
+        }
         false => for_touched(grid, record, occupy),
     });
     occupied.into_iter().map(AtomicBool::into_inner).collect()
@@ -51,6 +56,12 @@ fn for_touched(grid: &Grid, primitive: &PrimitiveRecord, mut touch: impl FnMut(U
     Grid::places(from, to).filter(|&place| shape.touches(place)).for_each(&mut touch);
 }
 
+/// Calls `touch` with every place that a box touches.
+fn for_places_of_box(grid: &Grid, corners: [Vec3; 2], touch: impl FnMut(UVec3)) {
+    let [min, max] = corners.map(|corner| grid.coordinates(corner));
+    Grid::places(grid.clamped(min - MARGIN), grid.clamped(max + MARGIN)).for_each(touch);
+}
+
 /// Calls `touch` with every place that an instance may touch: by its primitives where `is_exact`, else by the boxes that hold them.
 fn for_touched_by_instance(
     bvh: &Bvh,
@@ -61,10 +72,7 @@ fn for_touched_by_instance(
     touch: impl Fn(UVec3) + Copy,
 ) {
     let part = part_of(&bvh.parts, record);
-    let touch_box = |(min, max): (DVec3, DVec3)| {
-        let [min, max] = [min, max].map(|corner| grid.coordinates(corner.as_vec3()));
-        Grid::places(grid.clamped(min - MARGIN), grid.clamped(max + MARGIN)).for_each(touch);
-    };
+    let touch_box = |(min, max): (DVec3, DVec3)| for_places_of_box(grid, [min, max].map(|c| c.as_vec3()), touch);
     if let Some(motion) = motion_of(record).and_then(|first| bvh.motions.at(first)) {
         return part.boxes.iter().flat_map(|&of_group| motion.swept(of_group, MOTION_STEPS)).for_each(touch_box);
     }

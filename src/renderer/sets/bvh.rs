@@ -31,7 +31,8 @@ const MOST_FROM_EYE: f64 = 7.0;
 impl BvhSet {
     /// Texels of the largest of the three buffers.
     pub fn texels(bvh: &Bvh) -> u64 {
-        let primitives = size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.motions.records[..]);
+        let primitives =
+            size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.keys[..]) + size_of_val(&bvh.motions.records[..]);
         let bytes = size_of_val(&bvh.nodes[..]).max(primitives).max(size_of_val(&bvh.attributes[..]));
         (bytes / TEXEL_BYTES) as u64
     }
@@ -40,9 +41,11 @@ impl BvhSet {
     pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh, eye: Vec3) -> Result<Self> {
         let shape = set_shape(kernels, BVH_SET);
         let has = |number: u32| shape.bindings.iter().any(|binding| binding.binding == number);
-        let primitives: Cow<[u8]> = match bytemuck::cast_slice(&bvh.motions.records) {
-            [] => Cow::Borrowed(bytemuck::cast_slice(&bvh.primitives)),
-            motions => Cow::Owned([bytemuck::cast_slice(&bvh.primitives), motions].concat()),
+        let of_primitives: &[u8] = bytemuck::cast_slice(&bvh.primitives);
+        let primitives: Cow<[u8]> = match (bytemuck::cast_slice(&bvh.keys), bytemuck::cast_slice(&bvh.motions.records))
+        {
+            ([], []) => Cow::Borrowed(of_primitives),
+            (keys, motions) => Cow::Owned([of_primitives, keys, motions].concat()),
         };
         let contents: [(u32, &str, &[u8]); 3] = [
             (BVH_NODES, "BVH nodes", bytemuck::cast_slice(&bvh.nodes)),

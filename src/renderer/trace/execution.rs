@@ -59,12 +59,17 @@ fn resolve_traversal(device: &DeviceInfo, wanted: Traversal, bvh: &Bvh) -> Resul
     let has_queries = device.limits.has_ray_queries;
     let fits = QueryGeometry::most_elements(bvh) <= device.limits.max_structure_elements
         && BvhSet::texels(bvh) * TEXEL_BYTES as u64 <= device.limits.max_storage_buffer_bytes;
-    if bvh.has_instances() {
+    if bvh.has_instances() || bvh.deforms() {
         return match wanted {
-            Traversal::Query => Err(Error::Settings(format!(
+            Traversal::Query if bvh.has_instances() => Err(Error::Settings(format!(
                 "--traversal query does not trace instances, of which the scene keeps {}: take --traversal compute",
                 bvh.instance_count()
             ))),
+            Traversal::Query => {
+                let message =
+                    "--traversal query does not trace meshes that change their shape: take --traversal compute";
+                Err(Error::Settings(message.into()))
+            }
             Traversal::Auto | Traversal::Compute => Ok(Traversal::Compute),
         };
     }

@@ -14,11 +14,12 @@ mod words;
 use std::borrow::Cow;
 use std::path::Path;
 
+use crate::scene::deformation::MOST_INTERVALS;
 use crate::scene::text;
 use crate::{Error, Result, inputs};
 
 use curves::CurveFormat;
-pub(super) use triangles::{Cutter, MAX_TRIANGLES, Mesh, VERTEX_COLOR};
+pub(super) use triangles::{Cutter, MAX_TRIANGLES, Mesh, MeshAttribute, VERTEX_COLOR, set_attribute};
 pub(super) use tubes::{Strand, of_strands};
 
 /// Largest mesh file in bytes. Meshes are kept whole while they are read, and a larger file is a mistake.
@@ -57,6 +58,14 @@ pub(super) fn read(path: &Path, format: MeshFormat, attributes: &[&str]) -> Resu
             ),
         };
         return Err(Error::scene(path, None, message));
+    }
+    if mesh.values_of(&set_attribute("position", MOST_INTERVALS + 1)).is_some() {
+        let most = MOST_INTERVALS + 1;
+        return Err(Error::scene(
+            path,
+            None,
+            format!("the mesh has more than {most} sets of vertices; leave some out"),
+        ));
     }
     Ok(mesh)
 }

@@ -3,6 +3,8 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
+use crate::scene::deformation::MOST_INTERVALS;
+
 /// Most triangles of a scene, copies of instances included. Devices can address this many at three texels each.
 pub(in crate::scene) const MAX_TRIANGLES: usize = 1 << 25;
 
@@ -56,6 +58,30 @@ impl Mesh {
         let found = self.attributes.iter().find(|own| own.name == attribute)?;
         Some(&found.values)
     }
+}
+
+/// Places of a mesh's vertices at another time than the first.
+pub(in crate::scene) struct VertexSet<'a> {
+    pub positions: &'a [Vec3],
+    /// One normal per vertex, of any length; empty where the file gives none.
+    pub normals: &'a [Vec3],
+}
+
+impl Mesh {
+    /// Places of the vertices at evenly spaced times after the first; none where the mesh keeps its shape. These are the attributes
+    /// `position1`, `position2` and so on, and `normal1`, `normal2` and so on.
+    pub fn later_sets(&self) -> Vec<VertexSet<'_>> {
+        let sets = (1..=MOST_INTERVALS).map(|at| {
+            let positions = self.values_of(&set_attribute("position", at))?;
+            Some(VertexSet { positions, normals: self.values_of(&set_attribute("normal", at)).unwrap_or(&[]) })
+        });
+        sets.map_while(|set| set).collect()
+    }
+}
+
+/// Name of the attribute that has the positions or the normals of a later set of vertices.
+pub(in crate::scene) fn set_attribute(kind: &str, at: usize) -> String {
+    format!("vertex_{kind}{at}")
 }
 
 /// Mitsuba's name of the colors of vertices.

@@ -4,8 +4,9 @@ use glam::{Vec2, Vec3};
 
 use super::dictionary::{Array, Dictionary, Value};
 use crate::Result;
+use crate::scene::deformation::MOST_INTERVALS;
 use crate::scene::description::origin::Origin;
-use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
+use crate::scene::mesh::{MAX_TRIANGLES, Mesh, MeshAttribute, set_attribute};
 
 /// Arrays of a mesh by their key.
 pub(super) type Arrays<'a> = Vec<(&'a str, &'a Value)>;
@@ -25,7 +26,8 @@ pub(super) fn split_mesh(dictionary: &Dictionary) -> (Arrays<'_>, Dictionary) {
 pub(super) fn mesh(arrays: &Arrays, location: &Origin) -> Result<Mesh> {
     let rows = |key: &str| arrays.iter().find(|(found, _)| *found == key).map(|(_, value)| *value);
     let needs = |key: &str| rows(key).ok_or_else(|| location.error(format!("a `mesh` needs its array `{key}`")));
-    let positions: Vec<Vec3> = of_rows::<3>("vertices", needs("vertices")?, location)?.map(Vec3::from).collect();
+    let mut sets = sets_of_vertices("vertices", needs("vertices")?, location)?;
+    let positions = sets.remove(0);
     let triangles = faces(needs("faces")?, positions.len(), location)?;
     let count = positions.len();
     let per_vertex = |key: &'static str| -> Result<Vec<Vec3>> {
@@ -34,7 +36,23 @@ pub(super) fn mesh(arrays: &Arrays, location: &Origin) -> Result<Mesh> {
         check_count(key, values.len(), count, location)?;
         Ok(values)
     };
-    let (normals, colors) = (per_vertex("normals")?, per_vertex("colors")?);
+    let mut attributes = later_sets("position", sets);
+    let mut of_normals = match rows("normals") {
+        Some(value) => sets_of_vertices("normals", value, location)?,
+        None => vec![Vec::new()],
+    };
+    let normals = of_normals.remove(0);
+    if !normals.is_empty() {
+        check_count("normals", normals.len(), count, location)?;
+    }
+    if !of_normals.is_empty() && of_normals.len() != attributes.len() {
+        let (sets, wanted) = (of_normals.len() + 1, attributes.len() + 1);
+        return Err(location.error(format!(
+            "its `normals` has {sets} sets, but `vertices` has {wanted}; give one set for each, or one for the first alone"
+        )));
+    }
+    attributes.extend(later_sets("normal", of_normals));
+    let colors = per_vertex("colors")?;
     let uvs: Vec<Vec2> = match rows("uvs") {
         Some(value) => of_rows::<2>("uvs", value, location)?.map(Vec2::from).collect(),
         None => Vec::new(),
@@ -42,7 +60,33 @@ pub(super) fn mesh(arrays: &Arrays, location: &Origin) -> Result<Mesh> {
     if !uvs.is_empty() {
         check_count("uvs", uvs.len(), count, location)?;
     }
-    Ok(Mesh { positions, normals, uvs, colors, triangles, ..Mesh::default() })
+    Ok(Mesh { positions, normals, uvs, colors, attributes, triangles, ..Mesh::default() })
+}
+
+/// Sets of vertices: one of an array with a row for each vertex, several of an array of such arrays, at evenly spaced times.
+fn sets_of_vertices(key: &'static str, value: &Value, location: &Origin) -> Result<Vec<Vec<Vec3>>> {
+    let Value::Array(Array { shape, values }) = value else {
+        return Ok(vec![of_rows::<3>(key, value, location)?.map(Vec3::from).collect()]);
+    };
+    let [sets, vertices, 3] = shape[..] else {
+        return Ok(vec![of_rows::<3>(key, value, location)?.map(Vec3::from).collect()]);
+    };
+    if !(1..=MOST_INTERVALS + 1).contains(&sets) {
+        let most = MOST_INTERVALS + 1;
+        return Err(location.error(format!("its `{key}` has {sets} sets, but must have 1 to {most}")));
+    }
+    if values.iter().any(|&value| !(value as f32).is_finite()) {
+        return Err(location.error(format!("its `{key}` has a number that is not finite")));
+    }
+    let all: Vec<Vec3> =
+        values.chunks_exact(3).map(|row| Vec3::from_slice(&[row[0] as f32, row[1] as f32, row[2] as f32])).collect();
+    Ok((0..sets).map(|set| all[set * vertices..(set + 1) * vertices].to_vec()).collect())
+}
+
+/// Attributes that have the later sets of a mesh.
+fn later_sets(kind: &str, sets: Vec<Vec<Vec3>>) -> Vec<MeshAttribute> {
+    let attribute = |(at, values)| MeshAttribute { name: set_attribute(kind, at), values };
+    (1..).zip(sets).map(attribute).collect()
 }
 
 fn check_count(key: &str, count: usize, vertices: usize, location: &Origin) -> Result<()> {

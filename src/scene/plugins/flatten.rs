@@ -4,6 +4,7 @@ use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::color_blocks::ColorBlocks;
 use super::transform::{axes, is_mirrored, normal_matrix};
+use crate::scene::deformation::DeformedTriangle;
 use crate::scene::mesh::Mesh;
 use crate::scene::{Primitive, PrimitiveShape};
 
@@ -117,29 +118,63 @@ pub(super) struct PlacedMesh<'a> {
     mesh: &'a Mesh,
     flip_uvs: bool,
     common: Common,
-    /// World-space positions of the vertices.
-    positions: Vec<Vec3>,
-    /// World-space unit normals of the vertices, zero where none can be computed; empty for flat shading.
-    normals: Vec<Vec3>,
+    /// The vertices, where the shutter opens.
+    first: Vertices,
+    /// The vertices at evenly spaced times after that, where the mesh changes its shape.
+    later: Vec<Vertices>,
     /// Indices of the triangles that have area; `None` where all have.
     kept: Option<Vec<u32>>,
 }
 
-impl<'a> PlacedMesh<'a> {
-    /// Places the mesh; `None` where a coordinate is out of the range of single precision.
-    pub fn new(mesh: &'a Mesh, options: &MeshOptions, common: &Common) -> Option<Self> {
+/// Vertices of a mesh at a time, in the world.
+struct Vertices {
+    positions: Vec<Vec3>,
+    /// Unit normals, zero where none can be computed; empty for flat shading.
+    normals: Vec<Vec3>,
+}
+
+impl Vertices {
+    /// Places vertices whose file gives these normals, or none.
+    fn new(mesh: &Mesh, positions: &[Vec3], normals: &[Vec3], has_normals: bool, common: &Common) -> Self {
         let to_world = common.instance_to_world * common.to_world;
         let to_world = |position: &Vec3| to_world.transform_point3(position.as_dvec3()).as_vec3();
-        let positions: Vec<Vec3> = mesh.positions.iter().map(to_world).collect();
-        let normals = if options.face_normals { Vec::new() } else { vertex_normals(mesh, common) };
-        let mut placed = Self { mesh, flip_uvs: options.flip_uvs, common: *common, positions, normals, kept: None };
+        let placed = positions.iter().map(to_world).collect();
+        let normals = if has_normals { vertex_normals(mesh, positions, normals, common) } else { Vec::new() };
+        Self { positions: placed, normals }
+    }
+
+    fn edges(&self, [a, b, c]: [u32; 3]) -> [Vec3; 2] {
+        let [a, b, c] = [a, b, c].map(|vertex| self.positions[vertex as usize]);
+        [b - a, c - a]
+    }
+
+    fn is_finite(&self, corners: [u32; 3]) -> bool {
+        let [edge_u, edge_v] = self.edges(corners);
+        self.positions[corners[0] as usize].is_finite() && edge_u.cross(edge_v).length_squared().is_finite()
+    }
+}
+
+impl<'a> PlacedMesh<'a> {
+    /// Places the mesh; `None` where a coordinate is out of the range of single precision. It changes its shape where `deforms` is true and
+    /// the mesh has the vertices of several times.
+    pub fn new(mesh: &'a Mesh, options: &MeshOptions, common: &Common, deforms: bool) -> Option<Self> {
+        let place = |positions: &[Vec3], normals: &[Vec3]| {
+            Vertices::new(mesh, positions, normals, !options.face_normals, common)
+        };
+        let first = place(&mesh.positions, &mesh.normals);
+        let later = if deforms { mesh.later_sets() } else { Vec::new() };
+        let later = later.iter().map(|set| place(set.positions, set.normals)).collect();
+        let mut placed = Self { mesh, flip_uvs: options.flip_uvs, common: *common, first, later, kept: None };
         let indices = 0..mesh.triangles.len();
-        if !indices.clone().all(|index| placed.is_finite(index)) {
+        let sets = || [&placed.first].into_iter().chain(&placed.later);
+        if !indices.clone().all(|index| sets().all(|set| set.is_finite(mesh.triangles[index]))) {
             return None;
         }
         let has_area = |&index: &usize| {
-            let [edge_u, edge_v] = placed.edges(index);
-            has_area(edge_u, edge_v)
+            sets().any(|set| {
+                let [edge_u, edge_v] = set.edges(mesh.triangles[index]);
+                has_area(edge_u, edge_v)
+            })
         };
         if !indices.clone().all(|index| has_area(&index)) {
             placed.kept = Some(indices.filter(has_area).map(|index| index as u32).collect());
@@ -152,16 +187,27 @@ impl<'a> PlacedMesh<'a> {
         self.kept.as_ref().map_or(self.mesh.triangles.len(), Vec::len)
     }
 
+    /// Number of parts of the shutter's time at whose ends the mesh has vertices of its own; 0 where it keeps its shape.
+    pub fn intervals(&self) -> usize {
+        self.later.len()
+    }
+
+    /// Index in the mesh of triangle number `index`.
+    fn index(&self, index: usize) -> usize {
+        self.kept.as_ref().map_or(index, |kept| kept[index] as usize)
+    }
+
     /// Makes triangle number `index`.
     pub fn triangle(&self, index: usize) -> Primitive {
-        let index = self.kept.as_ref().map_or(index, |kept| kept[index] as usize);
-        let vertices = self.mesh.triangles[index].map(|vertex| vertex as usize);
-        let [edge_u, edge_v] = self.edges(index);
+        let index = self.index(index);
+        let corners = self.mesh.triangles[index];
+        let vertices = corners.map(|vertex| vertex as usize);
+        let [edge_u, edge_v] = self.first.edges(corners);
         let flip = self.common.flip_normals ^ is_mirrored(&self.common.instance_to_world);
-        let origin = self.positions[vertices[0]];
+        let origin = self.first.positions[vertices[0]];
         let mut triangle = primitive(PrimitiveShape::Triangle, &self.common, origin, edge_u, edge_v, flip);
-        if !self.normals.is_empty() {
-            set_normals(&mut triangle, vertices.map(|vertex| self.normals[vertex]));
+        if !self.first.normals.is_empty() {
+            set_normals(&mut triangle, vertices.map(|vertex| self.first.normals[vertex]));
         }
         if !self.mesh.uvs.is_empty() {
             triangle.uvs = vertices.map(|vertex| self.uv(vertex));
@@ -172,15 +218,16 @@ impl<'a> PlacedMesh<'a> {
         triangle
     }
 
-    fn edges(&self, index: usize) -> [Vec3; 2] {
-        let [a, b, c] = self.mesh.triangles[index].map(|vertex| self.positions[vertex as usize]);
-        [b - a, c - a]
-    }
-
-    fn is_finite(&self, index: usize) -> bool {
-        let [edge_u, edge_v] = self.edges(index);
-        self.positions[self.mesh.triangles[index][0] as usize].is_finite()
-            && edge_u.cross(edge_v).length_squared().is_finite()
+    /// Triangle number `index` at all times, where the mesh changes its shape.
+    pub fn keys(&self, index: usize) -> impl Iterator<Item = DeformedTriangle> + '_ {
+        let Primitive { flip_normal, .. } = self.triangle(index);
+        let corners = self.mesh.triangles[self.index(index)];
+        [&self.first].into_iter().chain(&self.later).map(move |set| {
+            let [edge_u, edge_v] = set.edges(corners);
+            let of_corners = || corners.map(|vertex| set.normals[vertex as usize]);
+            let normals = (!set.normals.is_empty()).then(|| filled(of_corners(), edge_u, edge_v, flip_normal));
+            DeformedTriangle { origin: set.positions[corners[0] as usize], edge_u, edge_v, normals }
+        })
     }
 
     fn uv(&self, vertex: usize) -> Vec2 {
@@ -192,32 +239,43 @@ impl<'a> PlacedMesh<'a> {
 /// Sets the shading normals and turns the geometric normal to their side. Shading normals decide which side is the
 /// front, because Mitsuba uses them to tell whether light is emitted or reflected.
 fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
-    let geometric = triangle.edge_u.cross(triangle.edge_v).normalize();
+    let Primitive { edge_u, edge_v, .. } = *triangle;
     let sum: Vec3 = normals.iter().sum();
     if sum != Vec3::ZERO {
-        triangle.flip_normal = geometric.dot(sum) < 0.0;
+        triangle.flip_normal = geometric_normal(edge_u, edge_v).dot(sum) < 0.0;
     }
-    let facing = if triangle.flip_normal { -geometric } else { geometric };
-    triangle.normals = Some(normals.map(|normal| if normal == Vec3::ZERO { facing } else { normal }));
+    triangle.normals = Some(filled(normals, edge_u, edge_v, triangle.flip_normal));
 }
 
-/// World-space unit normals of the vertices; zero where none can be computed.
-fn vertex_normals(mesh: &Mesh, common: &Common) -> Vec<Vec3> {
+/// Normals of a triangle's corners; the geometric one in place of those that are zero.
+fn filled(normals: [Vec3; 3], edge_u: Vec3, edge_v: Vec3, flip_normal: bool) -> [Vec3; 3] {
+    let geometric = geometric_normal(edge_u, edge_v);
+    let facing = if flip_normal { -geometric } else { geometric };
+    normals.map(|normal| if normal == Vec3::ZERO { facing } else { normal })
+}
+
+/// Unit normal; any one where a triangle that deforms has no area at a time.
+fn geometric_normal(edge_u: Vec3, edge_v: Vec3) -> Vec3 {
+    edge_u.cross(edge_v).try_normalize().unwrap_or(Vec3::Z)
+}
+
+/// World-space unit normals of vertices in these positions, whose file gives these normals or none; zero where none can be computed.
+fn vertex_normals(mesh: &Mesh, positions: &[Vec3], normals: &[Vec3], common: &Common) -> Vec<Vec3> {
     let sign = if common.flip_normals { -1.0 } else { 1.0 };
     let (to_world, instance) = (normal_matrix(&common.to_world), normal_matrix(&common.instance_to_world));
-    if mesh.normals.is_empty() {
+    if normals.is_empty() {
         let place = |normal: DVec3| (sign * (instance * normal).normalize_or_zero()).as_vec3();
-        return smooth_normals(mesh, &common.to_world).into_iter().map(place).collect();
+        return smooth_normals(mesh, positions, &common.to_world).into_iter().map(place).collect();
     }
     let to_world = instance * to_world;
     let place = |normal: &Vec3| (sign * (to_world * normal.as_dvec3()).normalize_or_zero()).as_vec3();
-    mesh.normals.iter().map(place).collect()
+    normals.iter().map(place).collect()
 }
 
 /// Sums of the adjacent faces' normals, weighted by the face's angle at the vertex, as in Mitsuba.
-fn smooth_normals(mesh: &Mesh, to_world: &DMat4) -> Vec<DVec3> {
-    let position = |vertex: u32| to_world.transform_point3(mesh.positions[vertex as usize].as_dvec3());
-    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+fn smooth_normals(mesh: &Mesh, positions: &[Vec3], to_world: &DMat4) -> Vec<DVec3> {
+    let position = |vertex: u32| to_world.transform_point3(positions[vertex as usize].as_dvec3());
+    let mut sums = vec![DVec3::ZERO; positions.len()];
     for vertices in &mesh.triangles {
         for (vertex, weighted) in vertices.iter().zip(weighted_normals(vertices.map(position))) {
             sums[*vertex as usize] += weighted;

@@ -28,6 +28,7 @@ use super::texture_images::Decoded;
 use super::textures::{Textures, number_images};
 use super::triangle_budget::{Promise, TriangleBudget};
 use super::{curves, facing, fit, integrator, sensor, texture_images, vertex_colors};
+use crate::scene::deformation::MOST_INTERVALS;
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, Object, Value};
@@ -105,6 +106,10 @@ pub(in crate::scene) fn build(
     }
     builder.finish(options, progress, kept)
 }
+
+/// Warning about what moves while the shutter is open for no time.
+const NO_TIME_TO_MOVE: &str =
+    "it does not move, because the shutter is open for no time; give the sensor `shutter_open` and `shutter_close`";
 
 /// Most shapes and instances of a scene.
 const MAX_ITEMS: usize = 1 << 24;
@@ -431,9 +436,7 @@ impl<'a> Builder<'a> {
         let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
         let shutter = sensor.as_ref().map_or([0.0; 2], |sensor| sensor.shutter);
         if let (Some(object), true) = (self.first_moving, shutter[0] >= shutter[1]) {
-            let message = "it does not move, because the shutter is open for no time; give the sensor `shutter_open` \
-                           and `shutter_close`";
-            self.warnings.push(format!("{}: {message}", object.origin));
+            self.warnings.push(format!("{}: {NO_TIME_TO_MOVE}", object.origin));
         }
         let of_path = self.integrators.first().filter(|integrator| integrator.plugin == "path");
         if let (Some(integrator), false, false) = (of_path, self.media.list.is_empty(), format == Format::Foreign) {
@@ -448,7 +451,10 @@ impl<'a> Builder<'a> {
         let (mut textures, requests) = self.textures.finish();
         let shapes = shown_shapes(&self.items, &self.groups);
         let attributes = vertex_colors::attributes(&textures);
-        let attributes: Vec<&str> = attributes.iter().map(String::as_str).collect();
+        let of_sets: Vec<String> = (1..=MOST_INTERVALS + 1)
+            .flat_map(|at| ["position", "normal"].map(|kind| mesh::set_attribute(kind, at)))
+            .collect();
+        let attributes: Vec<&str> = attributes.iter().chain(&of_sets).map(String::as_str).collect();
         let (in_memory, files): (Vec<_>, Vec<_>) =
             mesh_files(&shapes).into_iter().partition(|(file, _)| file.index_in_memory().is_some());
         let in_memory = in_memory.into_iter().filter_map(|(file, _)| self.scope.meshes.get(file.index_in_memory()?));
@@ -506,7 +512,11 @@ impl<'a> Builder<'a> {
         let mut delta_emitters = self.delta_emitters;
         delta_emitters.extend(self.projectors.into_iter().map(|projector| projector.finish(&textures, &images)));
         conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
-        let (primitives, groups) = flatten_all(&shapes, &groups, &meshes)?;
+        let is_open = shutter[0] < shutter[1];
+        if !is_open && self.first_moving.is_none() {
+            self.warnings.extend(warning_of_sets(&shapes, &meshes));
+        }
+        let (Group { primitives, deformations }, groups) = flatten_all(&shapes, &groups, &meshes, is_open)?;
         let glows = media.iter().any(|medium| medium.emission != Vec3::ZERO);
         let is_dark = !glows && emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
         if is_dark {
@@ -516,7 +526,7 @@ impl<'a> Builder<'a> {
         let sensor = match sensor {
             Some(sensor) => sensor,
             None => {
-                let bounds = whole::bounds(&primitives, &groups, &instances, &motions);
+                let bounds = whole::bounds((&primitives, &deformations), &groups, &instances, &motions);
                 fit::sensor(path, bounds, format, &mut self.warnings)?
             }
         };
@@ -530,6 +540,7 @@ impl<'a> Builder<'a> {
             integrator,
             sample_count: sensor.sample_count,
             primitives,
+            deformations,
             groups,
             instances,
             motions,
@@ -544,6 +555,16 @@ impl<'a> Builder<'a> {
             is_photometric: self.description.is_photometric,
         })
     }
+}
+
+/// Warning about the first mesh with vertices of several times, for a shutter that is open for no time.
+fn warning_of_sets(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Option<String> {
+    let has_sets = |shape: &&Shape| match &shape.geometry {
+        Geometry::Mesh(file, _) => meshes.get(file).is_some_and(|mesh| !mesh.later_sets().is_empty()),
+        _ => false,
+    };
+    let shape = shapes.iter().find(has_sets)?;
+    Some(format!("{}: {NO_TIME_TO_MOVE}", shape.origin))
 }
 
 /// Whether an image can be an environment.
@@ -620,9 +641,10 @@ fn flatten_all(
     shapes: &[Shape],
     groups: &[usize],
     meshes: &HashMap<MeshFile, Arc<Mesh>>,
-) -> Result<(Vec<Primitive>, Vec<Group>)> {
+    deforms: bool,
+) -> Result<(Group, Vec<Group>)> {
     check_size(shapes, meshes)?;
-    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
+    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes, deforms)).collect();
     let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
     let mut ends = Vec::with_capacity(placed.len());
     let mut count = 0;
@@ -635,11 +657,18 @@ fn flatten_all(
         placed[shape].primitive(index + placed[shape].len() - ends[shape])
     };
     let mut primitives: Vec<Primitive> = (0..count).into_par_iter().map(primitive).collect();
+    let firsts = ends.par_iter().zip(&placed).map(|(end, shape)| (end - shape.len(), shape));
+    let mut deformations: Vec<_> = firsts.filter_map(|(first, shape)| shape.deformation(first)).collect();
     let first_primitives = groups.iter().rev().map(|&first| first.checked_sub(1).map_or(0, |before| ends[before]));
-    let mut groups: Vec<Group> =
-        first_primitives.map(|first| Group { primitives: primitives.split_off(first) }).collect();
+    let group = |first: usize| {
+        let at = deformations.partition_point(|deformation| (deformation.first as usize) < first);
+        let mut deformations = deformations.split_off(at);
+        deformations.iter_mut().for_each(|deformation| deformation.first -= first as u32);
+        Group { primitives: primitives.split_off(first), deformations }
+    };
+    let mut groups: Vec<Group> = first_primitives.map(group).collect();
     groups.reverse();
-    Ok((primitives, groups))
+    Ok((Group { primitives, deformations }, groups))
 }
 
 /// Refuses scenes larger than any device could hold, before memory is allocated.

@@ -10,6 +10,7 @@ use super::flatten::{self, Common, MeshOptions, PlacedMesh};
 use super::properties::{Keys, Properties};
 use super::{cylinder, transform};
 use crate::Result;
+use crate::scene::deformation::Deformation;
 use crate::scene::description::object::{MESH, Object};
 use crate::scene::description::origin::Origin;
 use crate::scene::mesh::curves::CurveFormat;
@@ -252,10 +253,11 @@ pub(super) enum Placed<'a> {
     Few(Vec<Primitive>),
 }
 
-/// Places a shape; `meshes` holds every mesh that a shape names.
-pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Arc<Mesh>>) -> Result<Placed<'a>> {
+/// Places a shape; `meshes` holds every mesh that a shape names. Meshes may change their shape where `deforms` is true.
+pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Arc<Mesh>>, deforms: bool) -> Result<Placed<'a>> {
     let common = &shape.common;
-    let mesh = |mesh, options: &_| PlacedMesh::new(mesh, options, common).map(|mesh| Placed::Mesh(Box::new(mesh)));
+    let mesh =
+        |mesh, options: &_| PlacedMesh::new(mesh, options, common, deforms).map(|mesh| Placed::Mesh(Box::new(mesh)));
     let placed = match &shape.geometry {
         Geometry::Mesh(file, options) => match meshes.get(file) {
             Some(found) => mesh(found, options),
@@ -287,6 +289,14 @@ impl Placed<'_> {
             Self::Mesh(mesh) => mesh.len(),
             Self::Few(primitives) => primitives.len(),
         }
+    }
+
+    /// Deformation of the shape, whose first primitive has the index `first`; `None` where it keeps its shape.
+    pub fn deformation(&self, first: usize) -> Option<Deformation> {
+        let Self::Mesh(mesh) = self else { return None };
+        let intervals = Some(mesh.intervals() as u32).filter(|&intervals| intervals > 0 && mesh.len() > 0)?;
+        let keys = (0..mesh.len()).flat_map(|index| mesh.keys(index)).collect();
+        Some(Deformation { first: first as u32, intervals, keys })
     }
 
     /// Makes primitive number `index`.

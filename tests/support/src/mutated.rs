@@ -49,6 +49,9 @@ pub const INSTANCE_FAULTS: [&str; 3] = [
 ];
 /// Mutations: faults of motion.
 pub const MOTION_FAULTS: [&str; 2] = ["motions turn the other way", "a lamp sampled at another time"];
+/// Mutations: faults of meshes that deform.
+pub const DEFORMING_FAULTS: [&str; 2] =
+    ["normals of a deforming mesh at the key before", "a deforming mesh goes back between its keys"];
 /// Mutation: shadow rays follow 16 surfaces in place of 1024 edges.
 pub const FEW_SURFACES: &str = "shadow rays through few surfaces";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.

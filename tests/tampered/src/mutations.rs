@@ -23,6 +23,7 @@ const TALLY: &str = "glsl/include/film/tally.glsl";
 const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
 const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
 const CELLS: &str = "glsl/include/guide/grid/cells.glsl";
+const DEFORMING: &str = "glsl/include/geometry/deforming.glsl";
 const CONNECTION: &str = "glsl/include/path/connection.glsl";
 const EXPECTED_SARSA: &str = "glsl/include/path/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
@@ -668,6 +669,22 @@ pub const MUTATIONS: &[Mutation] = &[
             file: LIGHT,
             text: "Surface s = sample_area_light(place.primitive, place.instance, from, u);",
             mutated: "float now = moment; if (MUTATED) moment = 1.0 - now; Surface s = sample_area_light(place.primitive, place.instance, from, u); moment = now;",
+        }],
+    ),
+    mutation(
+        "normals of a deforming mesh at the key before",
+        &[Patch {
+            file: DEFORMING,
+            text: "interpolated_normal(after, uv, geometric_normal, transform), keys.way);",
+            mutated: "interpolated_normal(after, uv, geometric_normal, transform), MUTATED ? 0.0 : keys.way);",
+        }],
+    ),
+    mutation(
+        "a deforming mesh goes back between its keys",
+        &[Patch {
+            file: DEFORMING,
+            text: "load_key(first + KEY_TEXELS), place",
+            mutated: "load_key(first + KEY_TEXELS), MUTATED ? float(at + 1u) - place + float(at) : place",
         }],
     ),
     mutation(

@@ -1,0 +1,59 @@
+// Triangles whose vertices move while the shutter is open: along a line from one key to the next, at whose ends src/encode/bvh/deforming.rs
+// writes where they are. Normals of vertices are mixed in the same way.
+#ifndef DEFORMING_GLSL
+#define DEFORMING_GLSL
+#include "geometry/bvh.glsl"
+#include "geometry/motion.glsl"
+#include "geometry/normals.glsl"
+
+bool is_deforming(uint flags) {
+    if (HAS_DEFORMING) return (flags & PRIMITIVE_DEFORMING) != 0u;
+    return false;
+}
+
+// Keys of a deforming triangle before and after the path's time, and the part of the way between them.
+struct Keys {
+    KeyRecord before;
+    KeyRecord after;
+    float way;
+};
+
+Keys keys_now(uint primitive) {
+    uint count = deforming_intervals(primitive);
+    float place = moment * float(count);
+    uint at = min(uint(place), count - 1u);
+    uint first = deforming_first_key(primitive) + at * KEY_TEXELS;
+    return Keys(load_key(first), load_key(first + KEY_TEXELS), place - float(at));
+}
+
+// Primitive at the path's time. Distances to the plane of a deforming triangle are measured from its own origin. Its numbers are exact to
+// the last bit wherever they are computed, so that a ray meets the surface where its hit is placed.
+PrimitiveRecord primitive_now(uint primitive) {
+    PrimitiveRecord p = load_primitive(primitive);
+    if (is_deforming(p.flags)) {
+        Keys keys = keys_now(primitive);
+        precise vec3 origin = keys.before.origin + keys.way * (keys.after.origin - keys.before.origin);
+        precise vec3 edge_u = keys.before.edge_u + keys.way * (keys.after.edge_u - keys.before.edge_u);
+        precise vec3 edge_v = keys.before.edge_v + keys.way * (keys.after.edge_v - keys.before.edge_v);
+        precise float longest = max(length(edge_u), max(length(edge_v), length(edge_u - edge_v)));
+        p.origin = origin;
+        p.edge_u = edge_u;
+        p.edge_v = edge_v;
+        p.edge_tolerance = longest;
+        p.plane = 0.0;
+    }
+    return p;
+}
+
+// Shading normal of a deforming triangle at the path's time, where each vertex's normal is transformed by a matrix before.
+vec3 deformed_normal(uint primitive, vec2 uv, vec3 geometric_normal, mat3 transform) {
+    Keys keys = keys_now(primitive);
+    uvec3 before = uvec3(keys.before.normal0, keys.before.normal1, keys.before.normal2);
+    uvec3 after = uvec3(keys.after.normal0, keys.after.normal1, keys.after.normal2);
+    vec3 n = mix(interpolated_normal(before, uv, geometric_normal, transform),
+                 interpolated_normal(after, uv, geometric_normal, transform), keys.way);
+    float squared = dot(n, n);
+    return squared > 1.0e-12 ? n * inversesqrt(squared) : geometric_normal;
+}
+
+#endif

@@ -1,0 +1,80 @@
+//! Keys of deforming triangles as the kernels read them, behind all primitives.
+
+use glam::Vec3;
+
+use super::{Turn, octahedral_encode};
+use crate::generated::constants;
+use crate::generated::layout::{DeformingRecord, KeyRecord, PrimitiveRecord, TEXEL_BYTES};
+use crate::scene::deformation::{Deformation, DeformedTriangle};
+
+/// Texels of a key, and of a primitive.
+pub(super) const KEY_TEXELS: usize = size_of::<KeyRecord>() / TEXEL_BYTES;
+
+/// Keys of the triangles of deformations. Those of a triangle follow each other.
+pub(super) struct Keys<'a> {
+    deformations: &'a [Deformation],
+    /// Number of keys before those of each deformation.
+    before: Vec<usize>,
+    pub records: Vec<KeyRecord>,
+}
+
+impl<'a> Keys<'a> {
+    /// Keys of triangles that begin at another of their corners, by `turn`, than those of the deformations.
+    pub fn new(deformations: &'a [Deformation], turn: impl Fn(u32) -> Turn) -> Self {
+        let mut keys = Self { deformations, before: Vec::new(), records: Vec::new() };
+        for deformation in deformations {
+            keys.before.push(keys.records.len());
+            for triangle in deformation.triangles() {
+                let turn = turn(triangle);
+                keys.records.extend(deformation.keys_of(triangle).iter().map(|key| record(key, turn)));
+            }
+        }
+        keys
+    }
+
+    /// Marks the record of the primitive with this index, if it deforms. Its keys are counted from the first one of all.
+    pub fn mark(&self, record: &mut PrimitiveRecord, index: u32) {
+        let after = self.deformations.partition_point(|deformation| deformation.first <= index);
+        let Some(at) = after.checked_sub(1).filter(|&at| self.deformations[at].triangles().contains(&index)) else {
+            return;
+        };
+        let deformation = &self.deformations[at];
+        let key = self.before[at] + (index - deformation.first) as usize * deformation.keys_of_each();
+        record.flags = record.flags & !constants::PRIMITIVE_LARGE | constants::PRIMITIVE_DEFORMING;
+        let deforming: &mut DeformingRecord = bytemuck::cast_mut(record);
+        (deforming.intervals, deforming.first_key) = (deformation.intervals, (key * KEY_TEXELS) as u32);
+    }
+}
+
+/// Whether the vertices of a record's triangle move.
+pub(crate) fn is_deforming(record: &PrimitiveRecord) -> bool {
+    record.flags & constants::PRIMITIVE_DEFORMING != 0
+}
+
+/// Moves the first keys of the records that deform by so many texels.
+pub(super) fn move_keys(records: &mut [PrimitiveRecord], texels: usize) {
+    for record in records.iter_mut().filter(|record| is_deforming(record)) {
+        let deforming: &mut DeformingRecord = bytemuck::cast_mut(record);
+        deforming.first_key += texels as u32;
+    }
+}
+
+fn record(key: &DeformedTriangle, turn: Turn) -> KeyRecord {
+    let [origin, edge_u, edge_v] = turn.triangle(key.origin, key.edge_u, key.edge_v).map(Into::into);
+    let mut normals = key.normals.map_or([0; 3], |normals| normals.map(octahedral_encode));
+    turn.corners(&mut normals);
+    let [normal0, normal1, normal2] = normals;
+    KeyRecord { origin, normal0, edge_u, normal1, edge_v, normal2 }
+}
+
+/// Box that holds a deforming triangle at all times, as (minimum, maximum), from its keys.
+pub(crate) fn box_at_all_times(record: &PrimitiveRecord, keys: &[KeyRecord], first_texel: usize) -> (Vec3, Vec3) {
+    let DeformingRecord { intervals, first_key, .. } = bytemuck::cast(*record);
+    let first = (first_key as usize - first_texel) / KEY_TEXELS;
+    let boxes = keys[first..=first + intervals as usize].iter().map(|key| {
+        let [origin, u, v] = [key.origin, key.edge_u, key.edge_v].map(Vec3::from);
+        let (b, c) = (origin + u, origin + v);
+        (origin.min(b).min(c), origin.max(b).max(c))
+    });
+    boxes.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
