@@ -3,8 +3,10 @@
 mod deforming;
 pub(crate) mod instances;
 mod motions;
+mod normals;
 mod plane;
 mod split;
+mod turn;
 mod wide;
 
 use glam::Vec3;
@@ -13,7 +15,9 @@ use rayon::prelude::*;
 
 use self::deforming::{KEY_TEXELS, Keys, box_at_all_times, move_keys};
 use self::instances::is_instance;
+use self::normals::octahedral_encode;
 use self::split::Boxes;
+use self::turn::Turn;
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, InstanceRecord, KeyRecord, PrimitiveRecord, TEXEL_BYTES};
 use crate::scene::deformation::Deformation;
@@ -291,37 +295,6 @@ fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
     deepest
 }
 
-/// Turn of a triangle's corners: which of them comes first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Turn(usize);
-
-impl Turn {
-    /// Turn after which a triangle begins at the vertex opposite its longest edge. Cross products of the two edges from there lose the
-    /// fewest digits. From another corner of a slender triangle, hit points err by more than the offset of new rays.
-    fn of(p: &Primitive) -> Self {
-        if p.shape != PrimitiveShape::Triangle {
-            return Self(0);
-        }
-        let [from_a, from_b, from_c] = [p.edge_v - p.edge_u, p.edge_v, p.edge_u].map(Vec3::length_squared);
-        Self(if from_b > from_a.max(from_c) { 1 } else { usize::from(from_c > from_a) * 2 })
-    }
-
-    /// First vertex and edges of a triangle that begins at this corner of a triangle with these ones.
-    fn triangle(self, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> [Vec3; 3] {
-        let opposite = edge_v - edge_u;
-        match self.0 {
-            0 => [origin, edge_u, edge_v],
-            1 => [origin + edge_u, opposite, -edge_u],
-            _ => [origin + edge_v, -edge_v, -opposite],
-        }
-    }
-
-    /// Turns what belongs to the corners.
-    fn corners<T>(self, of_corners: &mut [T; 3]) {
-        of_corners.rotate_left(self.0);
-    }
-}
-
 /// Reorders a triangle to begin at the vertex opposite its longest edge.
 fn widest_corner_first(p: &Primitive) -> Primitive {
     let turn = Turn::of(p);
@@ -401,15 +374,6 @@ fn number_lights_of_world(
             next += 1;
         }
     }
-}
-
-/// Unit vector as two signed 16-bit numbers (Cigolle et al. 2014), which GLSL reads by `unpackSnorm2x16`.
-fn octahedral_encode(n: Vec3) -> u32 {
-    let p = n / (n.x.abs() + n.y.abs() + n.z.abs());
-    let (x, y) =
-        if p.z >= 0.0 { (p.x, p.y) } else { ((1.0 - p.y.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.y)) };
-    let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    snorm(x) | snorm(y) << 16
 }
 
 #[cfg(test)]

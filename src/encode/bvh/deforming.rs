@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::{Turn, octahedral_encode};
+use super::normals::octahedral_encode;
+use super::turn::Turn;
 use crate::generated::constants;
 use crate::generated::layout::{DeformingRecord, KeyRecord, PrimitiveRecord, TEXEL_BYTES};
 use crate::scene::deformation::{Deformation, DeformedTriangle};
