@@ -108,7 +108,7 @@ class _Exporter:
         self.emits_in_view = False
         # A marker may bind another camera to another time of the shutter.
         self.camera = depsgraph.scene.camera if viewed is None else viewed.eye
-        self.motions = motion.Motions(depsgraph, self.camera, self.report)
+        self.motions = motion.Motions(depsgraph, self.camera, self.report, self._strands_now)
 
     def run(self) -> Export:
         scene = self.depsgraph.scene_eval
@@ -315,7 +315,14 @@ class _Exporter:
         if key not in self.parts:
             kept = None if self.viewed is None else self.viewed.kept
             self.parts[key] = hair.groups(owner, self.depsgraph.mode == "RENDER", self.depsgraph.scene, kept)
+            self.motions.move_strands(owner, self.parts[key])
         return self.parts[key]
+
+    def _strands_now(self, instance: Any) -> Optional[list[Strands]]:
+        """Strands that an instance shows, as they are at the time of the scene; None where they are not looked at."""
+        if not hair.shows_hair(instance, self.depsgraph.view_layer_eval) or hair.is_dynamic(instance.object):
+            return None
+        return hair.groups(instance.object, self.depsgraph.mode == "RENDER", self.depsgraph.scene, None)
 
     def _strand_file(self, owner: Any, group: Strands, key: str, stretch: Any) -> str:
         material = self.materials[key]

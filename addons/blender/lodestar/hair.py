@@ -10,7 +10,7 @@ import numpy as np
 from . import layouts, strands, tubes
 from .layouts import Layout
 from .materials import Material
-from .meshes import Kept, Meshes
+from .meshes import Kept, Meshes, set_names
 from .report import Report
 from .strands import Strands
 
@@ -77,11 +77,7 @@ class Files:
 
     def write(self, group: Strands, wanted: Wanted, place: str, stretch: Optional[np.ndarray]) -> str:
         """Writes strands. `stretch` is the linear part of a transform that is uneven, with which the tubes are round in the world."""
-        points = group.points
-        if stretch is not None:
-            # As in Cycles, the mean of the scales thickens them.
-            thicker = abs(float(np.linalg.det(stretch))) ** (1.0 / 3.0)
-            points = np.column_stack([points[:, :3] @ stretch.T, points[:, 3] * thicker])
+        points, *later = (_stretched(each, stretch) for each in (group.points, *group.later))
         shape = (tubes.Polylines if group.is_linear else tubes.Splines)(points, group.counts)
         quality = shape.quality()
         if quality.is_coarse:
@@ -89,11 +85,11 @@ class Files:
             self._report.note(place, message)
         data = self._data(group, wanted, place)
         digest = hashlib.blake2b(repr((wanted, group.is_linear, quality.sides)).encode(), digest_size=12)
-        for each in (points, group.counts, stretch, *data.values()):
+        for each in (points, *later, group.counts, stretch, *data.values()):
             digest.update(b"" if each is None else np.ascontiguousarray(each).tobytes())
 
         def made() -> tuple[list[str], np.ndarray, np.ndarray]:
-            return self._made(group, wanted, shape, quality, data, stretch)
+            return self._made(group, wanted, [shape, *(tubes.Splines(each, group.counts) for each in later)], quality, data, stretch)
 
         return self._meshes.write_named(f"mesh-{digest.hexdigest()}.ply", made)
 
@@ -122,28 +118,31 @@ class Files:
         return data
 
     def _made(
-        self, group: Strands, wanted: Wanted, shape: Any, quality: tubes.Quality, data: dict[str, np.ndarray], stretch: Optional[np.ndarray]
+        self, group: Strands, wanted: Wanted, shapes: list[Any], quality: tubes.Quality, data: dict[str, np.ndarray], stretch: Optional[np.ndarray]
     ) -> tuple[list[str], np.ndarray, np.ndarray]:
-        """Names of the columns of a PLY file, its vertices and its triangles."""
+        """Names of the columns of a PLY file, its vertices and its triangles. `shapes` are those of several times."""
+        first, *later = shapes
         names = ["x", "y", "z", "nx", "ny", "nz"]
         names += ["u", "v"] if self._has_uvs(wanted, data) else []
         names += ["r", "g", "b"] if "color" in data else []
+        names += set_names(len(later))
         vertices, triangles, count = [], [], 0
-        for rings in tubes.parts(shape.rings(quality)):
-            made = tubes.mesh(rings, quality.sides, has_seam=wanted.is_fiber)
-            positions, normals = made.positions, made.normals
-            if stretch is not None:
-                positions, normals = positions @ np.linalg.inv(stretch).T, normals @ stretch
-                normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-            columns = [positions, normals]
+        for rings in tubes.parts(first.rings(quality)):
+            across = tubes.frames(rings)
+            made = tubes.mesh(rings, across, quality.sides, has_seam=wanted.is_fiber)
+            columns = [_unstretched(made, stretch)]
             if self._has_uvs(wanted, data):
                 columns.append(self._uvs(group, wanted, made, data))
             if "color" in data:
                 columns.append(data["color"][made.strand])
+            for shape in later:
+                moved = shape.rings_like(rings)
+                of_set = tubes.mesh(moved, tubes.frames_like(across, moved), quality.sides, has_seam=wanted.is_fiber)
+                columns.append(_unstretched(of_set, stretch))
             vertices.append(np.concatenate(columns, axis=1).astype(np.float32))
             is_mirrored = stretch is not None and np.linalg.det(stretch) < 0.0
             triangles.append((made.triangles[:, ::-1] if is_mirrored else made.triangles) + np.int32(count))
-            count += len(positions)
+            count += len(made.positions)
         return names, np.concatenate(vertices), np.concatenate(triangles)
 
     @staticmethod
@@ -164,6 +163,23 @@ class Files:
             return np.column_stack([made.around, intercept])
         uvs = np.column_stack([data["u"], data["v"]])[made.strand]
         return layouts.plain(uvs, intercept, made.around if wanted.is_fiber else None)
+
+
+def _stretched(points: np.ndarray, stretch: Optional[np.ndarray]) -> np.ndarray:
+    """Points with radii as they are in the world. As in Cycles, the mean of the scales thickens them."""
+    if stretch is None:
+        return points
+    thicker = abs(float(np.linalg.det(stretch))) ** (1.0 / 3.0)
+    return np.column_stack([points[:, :3] @ stretch.T, points[:, 3] * thicker])
+
+
+def _unstretched(made: tubes.Tubes, stretch: Optional[np.ndarray]) -> np.ndarray:
+    """Places and normals of tubes in the object's space."""
+    positions, normals = made.positions, made.normals
+    if stretch is not None:
+        positions, normals = positions @ np.linalg.inv(stretch).T, normals @ stretch
+        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return np.concatenate([positions, normals], axis=1)
 
 
 def stretch(matrix: Any) -> Optional[np.ndarray]:

@@ -143,9 +143,8 @@ class Meshes:
                 if values is not None:
                     columns.append(values[corners])
                     names.extend(of)
-            for at, later in enumerate(of_sets[1:], 1):
-                columns.append(later)
-                names.extend(f"{kind}{at}_{axis}" for kind in ("position", "normal") for axis in "xyz")
+            columns.extend(of_sets[1:])
+            names.extend(set_names(len(sets) - 1))
             vertices = np.ascontiguousarray(np.concatenate(columns, axis=1), np.float32)
             file = self._write(names, vertices)
             is_open = wanted[slot].emits and not _is_closed(vertex_of_loop[corners].reshape(-1, 3))
@@ -186,6 +185,11 @@ def _flat(places: np.ndarray, of_corners: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     is_other = np.sum(normals * of_corners, axis=1, keepdims=True) < (1.0 - 1e-7) * lengths
     return np.where(is_other, normals / np.maximum(lengths, 1e-300), of_corners).astype(np.float32)
+
+
+def set_names(count: int) -> list[str]:
+    """Names of the places and normals of later sets of vertices in a PLY file."""
+    return [f"{kind}{at}_{axis}" for at in range(1, count + 1) for kind in ("position", "normal") for axis in "xyz"]
 
 
 def _columns(vertices: Vertices, corners: np.ndarray, vertex_of_loop: np.ndarray, is_flat: np.ndarray) -> np.ndarray:

@@ -81,14 +81,17 @@ def key_times(owner: Any, parent: Any, report: Report) -> list[float]:
 class Motions:
     """Courses of a scene's instances and of its camera."""
 
-    def __init__(self, depsgraph: Any, camera: Any, report: Report) -> None:
-        self._depsgraph, self._camera, self._report = depsgraph, camera, report
+    def __init__(self, depsgraph: Any, camera: Any, report: Report, strands_of: Callable[[Any], Optional[list[Any]]] = lambda _: None) -> None:
+        """`strands_of` gives the strands that an instance shows, if they may move."""
+        self._depsgraph, self._camera, self._report, self._strands_of = depsgraph, camera, report, strands_of
         self._times: dict[Hashable, list[float]] = {}
         self._keys: dict[Hashable, dict[float, Any]] = {}
         # Shapes and lenses when the shutter opens.
         self._first: dict[Hashable, _Shape] = {}
         # Vertices of the meshes of objects that change their shape, by the names of the objects and the times.
         self._vertices: dict[str, dict[float, Vertices]] = {}
+        # Strands of such objects, in the same way.
+        self._strands: dict[str, dict[float, list[Any]]] = {}
         # Shapes of the visited time by the pointers of their data, and whether a pair of both times is equal.
         self._shapes: dict[int, _Shape] = {}
         self._equal: dict[tuple[int, int], bool] = {}
@@ -105,16 +108,41 @@ class Motions:
         open_shutter.go(0.5)
         self._keys = {name: keys for name, keys in self._keys.items() if any(key != keys[min(keys)] for key in keys.values())}
         self._vertices = {name: sets for name, sets in self._vertices.items() if self._deforms(name, list(sets.values()))}
+        self._strands = {name: sets for name, sets in self._strands.items() if self._strands_move(name, list(sets.values()))}
         for each in (self._first, self._shapes, self._equal):
             each.clear()
 
     def __bool__(self) -> bool:
-        return bool(self._keys or self._vertices)
+        return bool(self._keys or self._vertices or self._strands)
 
     def vertices(self, owner: Any) -> list[Vertices]:
         """Vertices of an object's mesh at evenly spaced times of the shutter; none where it keeps its shape."""
         sets = self._vertices.get(owner.name_full, {})
         return [sets[time] for time in sorted(sets)]
+
+    def move_strands(self, owner: Any, groups: list[Any]) -> None:
+        """Gives an object's strands their points at evenly spaced times of the shutter, where they move."""
+        sets = self._strands.get(owner.name_full, {})
+        times = [sets[time] for time in sorted(sets)]
+        for group, *at_times in zip(groups, *times) if times else ():
+            first, *later = (each.points for each in at_times)
+            if np.array_equal(group.counts, at_times[0].counts):
+                group.points, group.later = first, later
+
+    def _strands_move(self, name: str, sets: list[list[Any]]) -> bool:
+        """Whether strands move. Reports those that become more or fewer."""
+        first = sets[0]
+        is_same = [len(each) == len(first) and all(np.array_equal(a.counts, b.counts) for a, b in zip(each, first)) for each in sets]
+        if not all(is_same):
+            message = "its strands become more or fewer while the shutter is open, which is not supported; they move with the object"
+            self._report.warn(f'object "{name}"', message)
+            return False
+        moves = any(not np.array_equal(a.points[:, :3], b.points[:, :3]) for each in sets[1:] for a, b in zip(each, first))
+        if moves and any(group.is_linear for group in first):
+            message = "strands of straight pieces that change their shape while the shutter is open are not supported; they move with the object"
+            self._report.warn(f'object "{name}"', message)
+            return False
+        return moves
 
     def _deforms(self, name: str, sets: list[Vertices]) -> bool:
         """Whether the vertices of a mesh move. Reports a mesh whose vertices become more or fewer."""
@@ -141,7 +169,10 @@ class Motions:
             owner = instance.object
             if owner.type in ("MESH", "LIGHT", "CURVES") and (instance.show_self or instance.show_particles):
                 parent = instance.parent if instance.is_instance else None
-                self._add(identity(instance), owner, parent, instance.matrix_world, time)
+                name = identity(instance)
+                self._add(name, owner, parent, instance.matrix_world, time)
+                if time in self._times[name]:
+                    self._add_strands(instance, time)
         camera = self._camera.evaluated_get(self._depsgraph)
         self._add(CAMERA, camera, None, camera.matrix_world, time)
 
@@ -154,8 +185,16 @@ class Motions:
                 sets = self._vertices.setdefault(owner.name_full, {})
                 if time not in sets:
                     sets[time] = Vertices.of(owner.data)
-            elif time in (0.0, 1.0):
+            elif time in (0.0, 1.0) and not (owner.type == "CURVES" and self._is_own(owner)):
                 self._compare(name, owner, time)
+
+    def _add_strands(self, instance: Any, time: float) -> None:
+        owner = instance.object
+        if not _may_change(owner) or time in self._strands.get(owner.name_full, {}) or not self._is_own(owner):
+            return
+        groups = self._strands_of(instance)
+        if groups is not None:
+            self._strands.setdefault(owner.name_full, {})[time] = groups
 
     def _is_own(self, owner: Any) -> bool:
         """Whether an instance shows the mesh of its object, and not one that nodes have made for it."""

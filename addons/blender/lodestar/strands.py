@@ -30,6 +30,8 @@ class Strands:
     numbers: np.ndarray
     # What looks up their data.
     source: Any
+    # The points at evenly spaced times after the first, where they move while the shutter is open.
+    later: list[np.ndarray] = field(default_factory=list)
     # Cached places along the strands, from 0 to 1.
     _intercepts: Optional[np.ndarray] = field(default=None, repr=False)
 

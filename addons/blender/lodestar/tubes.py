@@ -130,6 +130,13 @@ class Splines:
         last = self.first_segments[strand] + self.segment_counts[strand] - 1
         segment = np.clip(np.searchsorted(up_to, wanted, "right") - 1, self.first_segments[strand], last)
         u = np.where(place < 1.0, np.clip((wanted - up_to[segment]) / self.density[segment], 0.0, 1.0), 1.0)
+        return self._rings(strand, segment, u)
+
+    def rings_like(self, others: Rings) -> Rings:
+        """Rings at the places of those of splines with as many points."""
+        return self._rings(others.strand, others.segment + self.first_segments[others.strand], others.u)
+
+    def _rings(self, strand: np.ndarray, segment: np.ndarray, u: np.ndarray) -> Rings:
         point, first, _ = self.at(segment, u)
         # Where a strand stops, its direction is that close by.
         is_still = np.linalg.norm(first[:, :3], axis=1) <= 1e-6 * self.lengths[strand]
@@ -223,9 +230,9 @@ def _most_triangles(strands: int) -> int:
     return min(max(MANY_TRIANGLES, MANY_OF_A_STRAND * strands), MOST_TRIANGLES)
 
 
-def mesh(rings: Rings, sides: int, has_seam: bool) -> Tubes:
-    """Triangles around rings. With a seam, the last column of vertices repeats the first, so that the place around ends at 1."""
-    first = _frames(rings)
+def mesh(rings: Rings, first: np.ndarray, sides: int, has_seam: bool) -> Tubes:
+    """Triangles around rings that begin in the directions `first`, across the strand. With a seam, the last column of vertices repeats the
+    first, so that the place around ends at 1."""
     second = np.cross(rings.tangent, first)
     columns = sides + 1 if has_seam else sides
     count = len(rings.strand)
@@ -268,7 +275,14 @@ def _corner(sides: int) -> float:
     return half / (math.cos(half) * math.log(math.tan(half) + 1.0 / math.cos(half)))
 
 
-def _frames(rings: Rings) -> np.ndarray:
+def frames_like(first: np.ndarray, rings: Rings) -> np.ndarray:
+    """Directions across other tubes that are close to given ones, so that tubes which move do not twist."""
+    across = first - np.sum(first * rings.tangent, axis=1, keepdims=True) * rings.tangent
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    return np.where(length > 1e-3, across / np.maximum(length, 1e-300), _any_across(rings.tangent))
+
+
+def frames(rings: Rings) -> np.ndarray:
     """Directions across the tubes, which turn along a strand as little as possible."""
     strand, tangent = rings.strand, rings.tangent
     is_first = np.ones(len(strand), bool)

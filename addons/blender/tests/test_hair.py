@@ -177,7 +177,8 @@ def test_tubes_lie_on_their_splines() -> None:
     """Corners are at their distance from the spline, normals point outward and agree with the triangles."""
     found = spline(20, 0.05)
     quality = found.quality()
-    made = tubes.mesh(found.rings(quality), quality.sides, has_seam=False)
+    rings = found.rings(quality)
+    made = tubes.mesh(rings, tubes.frames(rings), quality.sides, has_seam=False)
     segment = found.first_segments[made.strand] + made.segment
     point, first, _ = found.at(segment, made.u)
     outward = made.positions - point[:, :3]
@@ -190,6 +191,25 @@ def test_tubes_lie_on_their_splines() -> None:
     assert (facing > 0.0).all()
 
 
+def test_tubes_that_move_do_not_twist() -> None:
+    """Vertices of splines that turn as a whole turn with them, but for a small twist, and have the radius."""
+    found = spline(20, 0.05)
+    quality = found.quality()
+    rings = found.rings(quality)
+    across = tubes.frames(rings)
+    angle = 0.4
+    turn = np.array([[1, 0, 0], [0, math.cos(angle), -math.sin(angle)], [0, math.sin(angle), math.cos(angle)]])
+    moved = tubes.Splines(np.column_stack([found.points[:, :3] @ turn.T, found.points[:, 3]]), found.counts).rings_like(rings)
+    assert np.abs(moved.center - rings.center @ turn.T).max() < 1e-12
+    first, second = (tubes.mesh(*each, quality.sides, has_seam=False) for each in ((rings, across), (moved, tubes.frames_like(across, moved))))
+    assert np.array_equal(first.triangles, second.triangles)
+    distance = np.linalg.norm(second.positions - first.positions @ turn.T, axis=1)
+    assert distance.max() < 0.1 * 0.05
+    # The twin: frames that begin anew.
+    anew = tubes.mesh(moved, -tubes.frames(moved), quality.sides, has_seam=False)
+    assert np.linalg.norm(anew.positions - first.positions @ turn.T, axis=1).max() > 0.05
+
+
 @pytest.mark.parametrize("count", [1, 2000, 100_000])
 def test_many_strands_have_fewer_triangles_each(count: int) -> None:
     """All numbers are finite, straight lines stay near the strands, and there are as many triangles as were counted, but for the tips."""
@@ -198,7 +218,7 @@ def test_many_strands_have_fewer_triangles_each(count: int) -> None:
     assert quality.triangles <= max(tubes.MANY_TRIANGLES, tubes.MANY_OF_A_STRAND * count) and quality.is_coarse == (count > 10_000)
     rings = found.rings(quality)
     assert (np.bincount(rings.strand) == quality.pieces + 1).all()
-    made = tubes.mesh(rings, quality.sides, has_seam=False)
+    made = tubes.mesh(rings, tubes.frames(rings), quality.sides, has_seam=False)
     assert np.isfinite(made.positions).all() and np.isfinite(made.normals).all()
     # The ring of a tip is a point.
     assert len(made.triangles) == quality.triangles - count * quality.sides and made.triangles.max() < len(made.positions)
@@ -242,7 +262,8 @@ def test_polylines_are_hulls_of_spheres() -> None:
     points = np.array([[0, 0, 0, 0.1], [0, 0, 1, 0.1], [1, 0, 1, 0.1]], float)
     found = tubes.Polylines(points, np.array([3]))
     quality = found.quality()
-    made = tubes.mesh(found.rings(quality), quality.sides, has_seam=False)
+    rings = found.rings(quality)
+    made = tubes.mesh(rings, tubes.frames(rings), quality.sides, has_seam=False)
 
     def distance(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         share = np.clip((p - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import hair_scenes
 import numpy as np
 import pytest
 import scenes
@@ -272,6 +273,47 @@ def shapes() -> Any:
     return scene
 
 
+def fur() -> Any:
+    """Strands on a ground that a shape key bends, and hair curves that geometry nodes lean over while their object moves."""
+    scene = hair_scenes.lit()
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter, scene.render.motion_blur_position = True, 1.0, "START"
+    scene.frame_set(5)
+    scenes.plane(scene, "floor", 6.0, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    ground = scenes.plane(scene, "ground", 2.0, scenes.diffuse("sand", (0.6, 0.4, 0.2)), location=(-1.0, 0, 0.1))
+    ground.shape_key_add(name="Basis")
+    for point in ground.shape_key_add(name="bent").data:
+        point.co = (0.9 * point.co[0], point.co[1], point.co[2] + 0.8 * (point.co[0] > 0.0))
+    drive(ground.data.shape_keys.key_blocks["bent"], "value", -1, "frame - 5")
+    hair_scenes.furry(ground, 60, 0.6, tip_radius=0.3, use_close_tip=False)
+    strands = hair_scenes.bent(4)
+    radii = [np.linspace(0.12, 0.05, len(strand)) for strand in strands]
+    leaning = hair_scenes.curves(scene, "leaning", strands, radii, scenes.diffuse("red", (0.7, 0.1, 0.1)), location=(1.0, -0.5, 0), scale=(0.6,) * 3)
+    leaning.modifiers.new("lean", "NODES").node_group = lean("0.8 * (frame - 5)")
+    drive(leaning, "location", 1, "0.5 * (frame - 5) - 0.5")
+    return scene
+
+
+def lean(expression: str) -> Any:
+    """Geometry nodes that move points along x by their height times a number."""
+    group = bpy.data.node_groups.new("lean", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    start, end, place, position = (group.nodes.new(kind) for kind in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeSetPosition", "GeometryNodeInputPosition"))
+    parts, scaled, whole = (group.nodes.new(kind) for kind in ("ShaderNodeSeparateXYZ", "ShaderNodeMath", "ShaderNodeCombineXYZ"))
+    scaled.operation = "MULTIPLY"
+    scaled.inputs[1].driver_add("default_value").driver.expression = expression
+    for source, target in (
+        (start.outputs[0], place.inputs["Geometry"]),
+        (position.outputs[0], parts.inputs[0]),
+        (parts.outputs["Z"], scaled.inputs[0]),
+        (scaled.outputs[0], whole.inputs["X"]),
+        (whole.outputs[0], place.inputs["Offset"]),
+        (place.outputs[0], end.inputs[0]),
+    ):
+        group.links.new(source, target)
+    return group
+
+
 def camera() -> Any:
     """A camera that moves and turns."""
     scene = base("END", 0.5)
@@ -305,7 +347,7 @@ def deviations(ours: np.ndarray, theirs: np.ndarray) -> tuple[float, float]:
     return support.deviation(ours, theirs), abs(support.mean_ratio(ours, theirs) - 1.0)
 
 
-@pytest.mark.parametrize("build", [things, shapes, camera], ids=lambda build: build.__name__)
+@pytest.mark.parametrize("build", [things, shapes, fur, camera], ids=lambda build: build.__name__)
 def test_agrees_with_cycles(build: Callable[[], Any]) -> None:
     """Blurred pictures agree, and a picture that is not blurred does not."""
     scene = build()
