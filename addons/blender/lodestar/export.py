@@ -268,6 +268,9 @@ class _Exporter:
         if not is_unseen and any(self.materials[key].emission is not None for key in keys):
             self.emits_in_view |= self._may_see(course, owner.bound_box)
         parts = self._mesh_parts(owner, keys, is_kept=instancer is None)
+        if any(self.materials[keys[part.slot]].is_fiber for part in parts):
+            message = "Principled Hair on a mesh without strands is not supported; each face is the side of a fiber, which differs from Cycles"
+            self.report.warn(f'object "{owner.name}"', message)
         shown = tuple((file, keys[part.slot], is_unseen) for part in parts for file in part.files)
         volume = self._volume_within(owner, keys)
         is_boundary = volume is not None or any(self.materials[key].below is not None for key in keys)

@@ -77,6 +77,19 @@ def test_other_hair_is_named(tmp_path: Path) -> None:
         assert len(warnings) == 1 and words in warnings[0], warnings
 
 
+def test_hair_shaders_on_meshes_are_named(tmp_path: Path) -> None:
+    """A mesh with a fiber's material, but not one that only gives it to its strands."""
+    scene = hair_scenes.fibers("COLOR", Color=(0.6, 0.3, 0.1))
+    fiber = scene.objects["fibers"].data.materials[0]
+    ground = scenes.plane(scene, "ground", 1.0, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    ground.data.materials.append(fiber)
+    hair_scenes.furry(ground, 10, 0.3, material=2)
+    assert exported(tmp_path / "strands").report.warnings == []
+    ground.data.polygons[0].material_index = 1
+    warnings = exported(tmp_path / "mesh").report.warnings
+    assert len(warnings) == 1 and warnings[0].startswith('object "ground": Principled Hair on a mesh'), warnings
+
+
 def test_twin_thinner_strands_are_found() -> None:
     """The comparison finds strands that are a fifth thinner."""
     scene = hair_scenes.textured()
