@@ -158,19 +158,21 @@ def _is_encoded(texture: Texture) -> bool:
 def texels(image: Any, operations: tuple[str, ...]) -> np.ndarray:
     """Encoded bytes of an image after operations, with alpha where Cycles mixes colors by it, rows from the top."""
     data = np.rint(np.clip(_stored(image), 0.0, 1.0) * np.float32(255.0)).astype(np.uint8)
-    colors = data[:, :, :3]
+    colors, alpha = data[:, :, :3], data[:, :, 3:4]
+    # Cycles keeps colors times alpha in bytes, and divides the mix of colors by that of alpha where Alpha is linked.
+    is_premultiplied = "premultiplied" in operations
+    is_divided = not is_premultiplied and image.alpha_mode in ("STRAIGHT", "PREMUL") and bool((alpha < 255).any())
+    if is_premultiplied or is_divided:
+        colors = (colors.astype(np.uint16) * alpha // 255).astype(np.uint8)
+    if is_divided:
+        colors = np.rint(colors * np.float32(255.0) / np.maximum(alpha, 1)).astype(np.uint8)
     for operation in operations:
-        if operation == "premultiplied":
-            # As Cycles rounds them.
-            colors = (colors.astype(np.uint16) * data[:, :, 3:4] // 255).astype(np.uint8)
-        elif operation in ("r", "g", "b"):
+        if operation in ("r", "g", "b"):
             colors = np.repeat(colors[:, :, "rgb".index(operation)][:, :, None], 3, axis=2)
         elif operation == "luminance":
             linear = apply(linear_from_srgb(colors / np.float32(255.0)), ("luminance",))
             colors = np.rint(srgb_from_linear(linear) * 255.0).astype(np.uint8)
-    # Cycles divides the mix by the mix of alpha.
-    is_divided = "premultiplied" not in operations and image.alpha_mode in ("STRAIGHT", "PREMUL") and bool((data[:, :, 3] < 255).any())
-    return np.concatenate([colors, data[:, :, 3:4]], axis=2) if is_divided else colors
+    return np.concatenate([colors, alpha], axis=2) if is_divided else colors
 
 
 def _stored(image: Any) -> np.ndarray:
