@@ -106,6 +106,8 @@ class Images:
         return xml.add(xml.add(xml.plugin("texture", "bitmap"), "filename", path), "raw", True)
 
     def _bitmap(self, texture: Texture) -> xml.Element:
+        if not has_alpha(texture.image):
+            texture = replace(texture, operations=tuple(each for each in texture.operations if each != "covered"))
         is_mixed_first = texture.interpolation == "bilinear" and _is_encoded(texture)
         path, is_raw = self.file(texture.image, texture.operations, is_mixed_first)
         element = xml.add(xml.plugin("texture", "bitmap"), "filename", path)
@@ -126,8 +128,7 @@ class Images:
         path = os.path.abspath(_path(image))
         is_plain = image.source == "FILE" and image.packed_file is None and not image.is_dirty
         is_known = space == "sRGB" or space in LINEAR_SPACES
-        has_alpha = image.channels == 4 and image.depth in (32, 64, 128)
-        if operations == ("color",) and is_plain and is_known and not has_alpha and image.file_format in READ_FORMATS:
+        if operations == ("color",) and is_plain and is_known and not has_alpha(image) and image.file_format in READ_FORMATS:
             if os.path.isfile(path) and not (image.is_float and space == "sRGB"):
                 return path, space in LINEAR_SPACES or image.is_float
         key = (image.name_full, operations, as_bytes)
@@ -147,6 +148,11 @@ class Images:
         if not (self.folder / name).exists():
             write(self.folder / name, colors)
         return name
+
+
+def has_alpha(image: Any) -> bool:
+    """Whether an image has a channel of alpha."""
+    return image.channels == 4 and image.depth in (32, 64, 128)
 
 
 def _is_encoded(texture: Texture) -> bool:

@@ -151,7 +151,9 @@ def test_twin_texels_that_are_decoded_first_are_found(tmp_path: Path, monkeypatc
 def test_a_file_without_alpha_is_named_where_it_is(tmp_path: Path) -> None:
     scenes.empty()
     kept = images.Images(tmp_path, report.Report())
-    element = kept.element(images.Texture(image=loaded(tmp_path, TEXELS[:, :, :3])))
+    texture = images.Texture(image=loaded(tmp_path, TEXELS[:, :, :3]))
+    element = kept.element(texture)
+    assert [each.attrib for each in kept.element(texture.covered())] == [each.attrib for each in element]
     told = {child.get("name"): child.get("value") for child in element}
     assert told == {"filename": element[0].get("value"), "raw": "false", "decode_after_filter": "true"}
     assert Path(element[0].get("value", "")).parent == tmp_path
