@@ -487,7 +487,7 @@ def _brighten(emitter: xml.Element, factor: float) -> None:
 
 def _remove_unused(folder: Path, used: set[str]) -> None:
     """Removes meshes and images of earlier exports."""
-    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr", "image-*.png", "grid-*.vol", "grid-*.part"):
+    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr", "grid-*.vol", "grid-*.part"):
         for path in folder.glob(pattern):
             if path.name not in used:
                 path.unlink(missing_ok=True)
