@@ -82,11 +82,14 @@ pub enum Pattern {
     Program(Program),
 }
 
-/// Interpolations between texels: Mitsuba's `filter_type`.
+/// Interpolations between texels: Mitsuba's `filter_type`, and `decode_after_filter`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum TexelFilter {
     /// Linear interpolation between four texels' centers (Mitsuba's default).
     Bilinear,
+    /// Linear interpolation between the encoded colors of four texels, each of which counts by its alpha. The mix is decoded by the
+    /// sRGB curve, as in Cycles. Where colors are not bytes that the curve encodes, it is [`TexelFilter::Bilinear`].
+    Encoded,
     /// Nearest texel.
     Nearest,
 }

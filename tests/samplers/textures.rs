@@ -106,6 +106,31 @@ fn kinds_by_themselves() {
     }
 }
 
+/// Encoded bytes are mixed by their alpha before they are decoded, beside textures that are decoded first. Texels that are not
+/// encoded are mixed as they are.
+#[test]
+fn encoded_bytes_are_mixed_first() {
+    let clear = Texels::Bytes { srgb: true, data: vec![[255, 90, 0, 0], [9, 200, 255, 0], [255, 0, 90, 255]] };
+    let clear = Image { name: "clear".into(), width: 3, height: 1, texels: clear };
+    let images = [bytes(7, 5, true, 1), bytes(4, 9, false, 2), floats(6, 3, 8.0, 3), clear];
+    let wraps = [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp];
+    let textures = |filter| {
+        let of_image = |image| wraps.map(|wrap| bitmap(image, filter, wrap, mapping()));
+        (0..4).flat_map(of_image).collect::<Vec<_>>()
+    };
+    let points = points(15, 300);
+    let encoded = textures(TexelFilter::Encoded);
+    compare(&encoded, &images, &points, 0.0).unwrap();
+    compare(&[&encoded[..], &all_modes(0, Mat3::IDENTITY)].concat(), &images, &points, 0.0).unwrap();
+    compare(&encoded[..1], &images, &points, 0.0).unwrap();
+    let decoded_first = textures(TexelFilter::Bilinear);
+    let differ = |at: usize| {
+        let color = |texture: &Texture, uv: &Vec2| sample(texture, &images, uv.as_dvec2());
+        points.iter().any(|uv| (color(&encoded[at], uv) - color(&decoded_first[at], uv)).abs().max_element() > 0.2)
+    };
+    assert_eq!([0, 3, 6, 9].map(differ), [true, false, false, true]);
+}
+
 #[test]
 fn small_images() {
     for (width, height) in [(1, 1), (2, 1), (1, 3)] {
@@ -156,6 +181,20 @@ fn the_curve_at_every_byte() {
         let reversed = linear_from_srgb((255 - byte) as f64 / 255.0);
         assert!((f64::from(output.color[1]) - reversed).abs() < CURVE_TOLERANCE, "{byte}: {}", output.color[1]);
         assert!((f64::from(output.color[3]) - byte as f64 / 255.0).abs() < 1.0e-6);
+    }
+}
+
+/// Between the bytes the curve is as exact as at them.
+#[test]
+fn the_curve_between_bytes() {
+    let texels = Texels::Bytes { srgb: true, data: vec![[0, 0, 0, 255], [255; 4]] };
+    let ramp = Image { name: "ramp".into(), width: 2, height: 1, texels };
+    let texture = bitmap(0, TexelFilter::Encoded, WrapMode::Clamp, Mat3::IDENTITY);
+    let shares: Vec<f64> = (0..=10_000).map(|i| f64::from(i) / 10_000.0).collect();
+    let inputs: Vec<_> = shares.iter().map(|x| TextureInput::new(0, [(0.25 + 0.5 * x) as f32, 0.5])).collect();
+    for (share, output) in shares.iter().zip(look_up(&[texture], &[ramp], &inputs)) {
+        let difference = f64::from(output.color[0]) - linear_from_srgb(*share);
+        assert!(difference.abs() < CURVE_TOLERANCE, "{share}: {difference}");
     }
 }
 

@@ -1,9 +1,9 @@
 //! Texture plugins and image files.
 
-use glam::{DVec2, Mat3, Vec3};
+use glam::{DVec2, DVec3, Mat3, Vec3};
 use image::{DynamicImage, GrayAlphaImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage, Rgba, RgbaImage};
 use lodestar::film::Picture;
-use lodestar::math::srgb::luminance;
+use lodestar::math::srgb::{linear_from_srgb, luminance};
 use lodestar::scene::bsdf::Relief;
 use lodestar::scene::texture::{Pattern, TexelFilter, Texels, WrapMode};
 use lodestar::scene::texture_lookup::sample;
@@ -390,6 +390,38 @@ fn filters_and_wrap_modes() {
     assert_eq!(pattern(""), expected(TexelFilter::Bilinear, WrapMode::Repeat));
     let given = r#"<string name="filter_type" value="nearest"/><string name="wrap_mode" value="mirror"/>"#;
     assert_eq!(pattern(given), expected(TexelFilter::Nearest, WrapMode::Mirror));
+}
+
+/// Encoded bytes are decoded after they are mixed, if the scene asks for it. It changes neither raw images nor nearest texels nor heights.
+#[test]
+fn bytes_are_decoded_after_the_filter() {
+    let after = |value: &str| format!(r#"<boolean name="decode_after_filter" value="{value}"/>"#);
+    let color = |parameters: &str| {
+        let scene = load(&bitmap("a.png", parameters));
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        sample(&scene.textures[0], &scene.images, DVec2::new(0.25, 0.5 / 3.0)).truncate()
+    };
+    let decoded = |share: fn(f64, f64) -> f64| {
+        DVec3::from_array(std::array::from_fn(|i| share(f64::from(pixel(0, 0)[i]), f64::from(pixel(1, 0)[i]))))
+    };
+    let first = decoded(|a, b| 0.5 * (linear_from_srgb(a / 255.0) + linear_from_srgb(b / 255.0)));
+    let mixed = decoded(|a, b| linear_from_srgb(0.5 * (a + b) / 255.0));
+    let raw = decoded(|a, b| 0.5 * (a + b) / 255.0);
+    assert!((first - mixed).abs().max_element() > 0.05);
+    assert!(color(&after("true")).abs_diff_eq(mixed, 1e-9));
+    assert!(color(&after("false")).abs_diff_eq(first, 1e-9));
+    assert!(color(&(after("true") + r#"<boolean name="raw" value="true"/>"#)).abs_diff_eq(raw, 1e-9));
+    let nearest = r#"<string name="filter_type" value="nearest"/>"#;
+    assert_eq!(color(&(after("true") + nearest)), color(nearest));
+
+    let bump = bitmap("a.png", &after("true")).replace(r#"name="reflectance" "#, "");
+    let body = format!(r#"<shape type="disk"><bsdf type="bumpmap">{bump}<bsdf type="diffuse"/></bsdf></shape>"#);
+    let folder = Folder::new(&[("scene.xml", &with_sensor(&body))]);
+    rgb().save(folder.path("a.png")).unwrap();
+    let heights = folder.load(&[]).unwrap().textures.remove(0).pattern;
+    assert_eq!(heights, Pattern::Bitmap { image: 0, filter: TexelFilter::Bilinear, wrap: WrapMode::Repeat });
+    let message = error(&self::folder(&bitmap("a.png", r#"<float name="decode_after_filter" value="1"/>"#)));
+    assert!(message.contains("`decode_after_filter`"), "{message}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from . import exr, xml
+from . import exr, png, xml
 from .programs import Expression, Graph, square_root
 from .report import Report
 
@@ -22,6 +22,8 @@ Matrix3 = tuple[tuple[float, ...], ...]
 IDENTITY: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 READ_FORMATS = {"PNG", "JPEG", "BMP", "TARGA", "HDR"}
 LINEAR_SPACES = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
+# Operations of which an image of encoded bytes stays one: Cycles mixes such texels, and decodes the mix.
+OF_BYTES = {"color", "premultiplied", "r", "g", "b", "luminance"}
 # Color that Cycles shows where an image cannot be loaded.
 MISSING = (1.0, 0.0, 1.0)
 
@@ -82,7 +84,7 @@ class Images:
         self.graph = Graph()
         # Names of the expressions that materials refer to.
         self.used_programs: set[str] = set()
-        self._files: dict[tuple[str, tuple[str, ...]], str] = {}
+        self._files: dict[tuple[str, tuple[str, ...], bool], str] = {}
 
     def element(self, texture: Texture) -> xml.Element:
         """`<texture>` of a texture, or `<ref>` to one."""
@@ -104,9 +106,14 @@ class Images:
         return xml.add(xml.add(xml.plugin("texture", "bitmap"), "filename", path), "raw", True)
 
     def _bitmap(self, texture: Texture) -> xml.Element:
-        path, is_raw = self.file(texture.image, texture.operations)
+        if not has_alpha(texture.image):
+            texture = replace(texture, operations=tuple(each for each in texture.operations if each != "covered"))
+        is_mixed_first = texture.interpolation == "bilinear" and _is_encoded(texture)
+        path, is_raw = self.file(texture.image, texture.operations, is_mixed_first)
         element = xml.add(xml.plugin("texture", "bitmap"), "filename", path)
         xml.add(element, "raw", is_raw)
+        if is_mixed_first:
+            xml.add(element, "decode_after_filter", True)
         if texture.wrap != "repeat":
             xml.add(element, "wrap_mode", texture.wrap)
         if texture.interpolation != "bilinear":
@@ -115,36 +122,67 @@ class Images:
             xml.add_matrix(element, _flipped(texture.to_uv), "to_uv")
         return element
 
-    def file(self, image: Any, operations: tuple[str, ...]) -> tuple[str, bool]:
-        """Path of a file with an image, and whether its numbers are linear."""
+    def file(self, image: Any, operations: tuple[str, ...], as_bytes: bool = False) -> tuple[str, bool]:
+        """Path of a file with an image, and whether its numbers are linear. `as_bytes` keeps the bytes of an encoded image."""
         space = image.colorspace_settings.name
         path = os.path.abspath(_path(image))
         is_plain = image.source == "FILE" and image.packed_file is None and not image.is_dirty
         is_known = space == "sRGB" or space in LINEAR_SPACES
-        has_alpha = image.channels == 4 and image.depth in (32, 64, 128)
-        if operations == ("color",) and is_plain and is_known and not has_alpha and image.file_format in READ_FORMATS:
+        if operations == ("color",) and is_plain and is_known and not has_alpha(image) and image.file_format in READ_FORMATS:
             if os.path.isfile(path) and not (image.is_float and space == "sRGB"):
                 return path, space in LINEAR_SPACES or image.is_float
-        key = (image.name_full, operations)
+        key = (image.name_full, operations, as_bytes)
         if key not in self._files:
-            self._files[key] = self._write(image, operations)
-        return self._files[key], True
-
-    def _write(self, image: Any, operations: tuple[str, ...]) -> str:
-        return self.written(apply(pixels(image, self.report), operations))
+            if as_bytes:
+                self._files[key] = self.written(texels(image, operations))
+            else:
+                self._files[key] = self.written(apply(pixels(image, self.report), operations))
+        return self._files[key], not as_bytes
 
     def written(self, colors: np.ndarray) -> str:
-        """Name of a file with colors, rows from the top."""
+        """Name of a file with linear colors, or with encoded bytes, rows from the top."""
         digest = hashlib.blake2b(np.ascontiguousarray(colors).tobytes(), digest_size=12).hexdigest()
-        name = f"image-{digest}-{colors.shape[1]}x{colors.shape[0]}.exr"
+        kind, write = ("png", png.write) if colors.dtype == np.uint8 else ("exr", exr.write)
+        name = f"image-{digest}-{colors.shape[1]}x{colors.shape[0]}.{kind}"
         self.used.add(name)
         if not (self.folder / name).exists():
-            exr.write(self.folder / name, colors)
+            write(self.folder / name, colors)
         return name
 
 
-def pixels(image: Any, report: Report) -> np.ndarray:
-    """Linear colors and alpha of an image, rows from the top."""
+def has_alpha(image: Any) -> bool:
+    """Whether an image has a channel of alpha."""
+    return image.channels == 4 and image.depth in (32, 64, 128)
+
+
+def _is_encoded(texture: Texture) -> bool:
+    """Whether the texture is an image of bytes in sRGB, of which no linear numbers have to be made."""
+    image = texture.image
+    return image.colorspace_settings.name == "sRGB" and not image.is_float and OF_BYTES.issuperset(texture.operations)
+
+
+def texels(image: Any, operations: tuple[str, ...]) -> np.ndarray:
+    """Encoded bytes of an image after operations, with alpha where Cycles mixes colors by it, rows from the top."""
+    data = np.rint(np.clip(_stored(image), 0.0, 1.0) * np.float32(255.0)).astype(np.uint8)
+    colors, alpha = data[:, :, :3], data[:, :, 3:4]
+    # Cycles keeps colors times alpha in bytes, and divides the mix of colors by that of alpha where Alpha is linked.
+    is_premultiplied = "premultiplied" in operations
+    is_divided = not is_premultiplied and image.alpha_mode in ("STRAIGHT", "PREMUL") and bool((alpha < 255).any())
+    if is_premultiplied or is_divided:
+        colors = (colors.astype(np.uint16) * alpha // 255).astype(np.uint8)
+    if is_divided:
+        colors = np.rint(colors * np.float32(255.0) / np.maximum(alpha, 1)).astype(np.uint8)
+    for operation in operations:
+        if operation in ("r", "g", "b"):
+            colors = np.repeat(colors[:, :, "rgb".index(operation)][:, :, None], 3, axis=2)
+        elif operation == "luminance":
+            linear = apply(linear_from_srgb(colors / np.float32(255.0)), ("luminance",))
+            colors = np.rint(srgb_from_linear(linear) * 255.0).astype(np.uint8)
+    return np.concatenate([colors, alpha], axis=2) if is_divided else colors
+
+
+def _stored(image: Any) -> np.ndarray:
+    """Colors and alpha of an image as Blender keeps them, rows from the top."""
     width, height = image.size
     data = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(data)
@@ -155,6 +193,12 @@ def pixels(image: Any, report: Report) -> np.ndarray:
         data = np.concatenate([gray, gray, gray, alpha], axis=2)
     elif image.channels == 3:
         data = np.concatenate([data, np.ones_like(data[:, :, :1])], axis=2)
+    return data
+
+
+def pixels(image: Any, report: Report) -> np.ndarray:
+    """Linear colors and alpha of an image, rows from the top."""
+    data, height = _stored(image), image.size[1]
     space = image.colorspace_settings.name
     if space == "sRGB" and not image.is_float:
         data = data.copy()

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Optional, Union
 
 from . import clipping
 from .evaluator import Evaluator, convert
-from .images import MISSING, Images, Texture
+from .images import MISSING, Images, Texture, has_alpha
 from .layouts import Layout
 from .limits import excess
 from .programs import Expression
@@ -370,8 +370,7 @@ def _is_premultiplied(node: Any) -> bool:
     where the node's Alpha is linked, too."""
     image = node.image
     is_color = image.alpha_mode in ("STRAIGHT", "PREMUL") and image.colorspace_settings.name not in ("Non-Color", "Raw")
-    has_alpha = image.channels == 4 and image.depth in (32, 64, 128) and not image.is_float
-    return is_color and has_alpha and not node.outputs["Alpha"].is_linked
+    return is_color and has_alpha(image) and not image.is_float and not node.outputs["Alpha"].is_linked
 
 
 def _number(value: Value) -> float:

@@ -57,6 +57,10 @@ def of_node(node: Any) -> Optional[Fit]:
         return None
     sun = np.array(node.sun_direction, float)
     sun /= max(float(np.linalg.norm(sun)), 1e-20)
+    if node.sky_type == "HOSEK_WILKIE" and sun[2] < 0.0:
+        # Cycles puts a sun that has set on the horizon.
+        azimuth = math.atan2(sun[0], sun[1])
+        sun = np.array([math.sin(azimuth), math.cos(azimuth), 0.0])
     return Fit(node.sky_type, tuple(float(value) for value in sun), node.turbidity, node.ground_albedo)
 
 

@@ -49,7 +49,10 @@ def both_skies(kind: str, sun: Any, turbidity: float, albedo: float) -> tuple[np
 @pytest.mark.parametrize("kind", ["PREETHAM", "HOSEK_WILKIE"])
 @pytest.mark.parametrize(
     "sun,turbidity,albedo",
-    [((0, 0, 1), 2.2, 0.3), ((0.5, 0.3, 0.8), 2.2, 0.3), ((0.9, -0.2, 0.2), 5.5, 0.8), ((0.2, 0.7, 0.05), 9.7, 1.0), ((0.6, 0, 0.4), 3.1, 0.1)],
+    [
+        *[((0, 0, 1), 2.2, 0.3), ((0.5, 0.3, 0.8), 2.2, 0.3), ((0.9, -0.2, 0.2), 5.5, 0.8), ((0.2, 0.7, 0.05), 9.7, 1.0)],
+        *[((0.6, 0, 0.4), 3.1, 0.1), ((-0.9, 0.1, -0.3), 2.2, 0.3)],
+    ],
 )
 def test_fits_are_those_of_cycles(kind: str, sun: Any, turbidity: float, albedo: float) -> None:
     ours, theirs = both_skies(kind, sun, turbidity, albedo)

@@ -176,6 +176,8 @@ const uint TEXTURE_CLAMP = 256u;
 const uint TEXTURE_TRANSFORMED = 512u;
 const uint TEXTURE_HEIGHTS = 1024u;
 const uint TEXTURE_PROGRAM = 2048u;
+// The bytes are encoded by the sRGB curve, and the mix of the four texels is decoded in their place.
+const uint TEXTURE_ENCODED = 4096u;
 
 // Operation of a program of textures. PROGRAM_OPERATIONS and PROGRAM_LATER_OPERATIONS have a bit for each operation that the scene
 // uses: the first for those below 32, the second for the others.

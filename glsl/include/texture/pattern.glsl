@@ -49,8 +49,7 @@ mat4 fetch_taps(TextureSampler s, Taps taps) {
 vec4 sample_image(TextureSampler s) {
     Taps taps = texture_taps(s.kind, s.size, s.uv);
     if (!has_textures(TEXTURE_BILINEAR)) return fetch_texel(s, taps.low.x, taps.low.y);
-    mat4 colors = fetch_taps(s, taps);
-    return mix(mix(colors[0], colors[1], taps.fraction.x), mix(colors[2], colors[3], taps.fraction.x), taps.fraction.y);
+    return mix_texels(s.kind, fetch_taps(s, taps), taps.fraction);
 }
 
 // Color of a checkerboard. Each color covers half a unit in u and v.

@@ -48,7 +48,7 @@ Taps texture_taps(uint kind, uvec2 size, vec2 uv) {
 }
 
 // Inverse of the sRGB curve (IEC 61966-2-1). The power is a polynomial with an error of at most 6e-6 at each of the 256
-// byte values.
+// byte values, and of at most 8e-6 between them.
 vec3 decode_srgb(vec3 s) {
     vec3 power = vec3(-0.05466098);
     power = power * s + 0.22672586;
@@ -71,6 +71,25 @@ vec4 decode_texel(uint kind, uvec2 words, float scale) {
     if (has_textures(TEXTURE_HEIGHTS) && (kind & TEXTURE_HEIGHTS) != 0u) {
         color = vec4(vec3(uintBitsToFloat(words.x)), 1.0);
     }
+    return color;
+}
+
+// Divisor in place of an alpha of zero.
+const float TINY_ALPHA = 1.0e-20;
+
+// Texel whose color is multiplied by its alpha, if it is encoded.
+vec4 covered_texel(bool encoded, vec4 texel) {
+    return encoded ? vec4(texel.rgb * texel.a, texel.a) : texel;
+}
+
+// Color and alpha between four texels, one per column: upper left, upper right, lower left, lower right. Encoded colors count by
+// their alpha, and their mix is decoded, as in Cycles.
+vec4 mix_texels(uint kind, mat4 colors, vec2 fraction) {
+    bool encoded = has_textures(TEXTURE_ENCODED) && (kind & TEXTURE_ENCODED) != 0u;
+    vec4 upper = mix(covered_texel(encoded, colors[0]), covered_texel(encoded, colors[1]), fraction.x);
+    vec4 lower = mix(covered_texel(encoded, colors[2]), covered_texel(encoded, colors[3]), fraction.x);
+    vec4 color = mix(upper, lower, fraction.y);
+    if (encoded) color.rgb = decode_srgb(color.rgb / max(color.a, TINY_ALPHA));
     return color;
 }
 

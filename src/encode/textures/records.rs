@@ -72,15 +72,19 @@ fn kind(texture: &Texture, images: &[Image]) -> u32 {
     transformed
         | match texture.pattern {
             Pattern::Bitmap { image, filter, wrap } => {
-                texel_kind(&images[image as usize]) | filter_kind(filter) | wrap_kind(wrap)
+                texel_kind(&images[image as usize], filter) | filter_kind(filter) | wrap_kind(wrap)
             }
             Pattern::Checkerboard { .. } => constants::TEXTURE_CHECKERBOARD,
             Pattern::Program(_) => constants::TEXTURE_PROGRAM,
         }
 }
 
-fn texel_kind(image: &Image) -> u32 {
+fn texel_kind(image: &Image, filter: TexelFilter) -> u32 {
     match image.texels {
+        // Texels are fetched as they are, and their mix is decoded.
+        Texels::Bytes { srgb: true, .. } if filter == TexelFilter::Encoded => {
+            constants::TEXTURE_LINEAR_BYTES | constants::TEXTURE_ENCODED
+        }
         Texels::Bytes { srgb: true, .. } => constants::TEXTURE_SRGB_BYTES,
         Texels::Bytes { srgb: false, .. } => constants::TEXTURE_LINEAR_BYTES,
         Texels::Floats(_) => constants::TEXTURE_HALVES,
@@ -90,7 +94,7 @@ fn texel_kind(image: &Image) -> u32 {
 
 fn filter_kind(filter: TexelFilter) -> u32 {
     match filter {
-        TexelFilter::Bilinear => constants::TEXTURE_BILINEAR,
+        TexelFilter::Bilinear | TexelFilter::Encoded => constants::TEXTURE_BILINEAR,
         TexelFilter::Nearest => constants::TEXTURE_NEAREST,
     }
 }

@@ -8,8 +8,16 @@ use crate::Result;
 use crate::scene::description::kinds::Type;
 use crate::scene::texture::{Pattern, TexelFilter, WrapMode};
 
-/// Reads `filter_type`.
-pub(super) fn filter(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<TexelFilter> {
+/// Reads `filter_type` and `decode_after_filter`. Heights are mixed as they are, so that slopes are constant between texels.
+pub(super) fn filter(properties: &mut Properties, role: Role, warnings: &mut Vec<String>) -> Result<TexelFilter> {
+    let is_encoded = properties.boolean("decode_after_filter")?.unwrap_or(false) && role != Role::Heights;
+    Ok(match filter_type(properties, warnings)? {
+        TexelFilter::Bilinear if is_encoded => TexelFilter::Encoded,
+        filter => filter,
+    })
+}
+
+fn filter_type(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<TexelFilter> {
     let location = properties.location("filter_type");
     match properties.string("filter_type")? {
         None | Some("bilinear") => Ok(TexelFilter::Bilinear),

@@ -238,7 +238,7 @@ impl<'a> Textures<'a> {
     fn bitmap(&mut self, properties: &mut Properties<'a>, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
         // Programs read the coordinates of the images that they look up.
         properties.texture("coordinates")?;
-        let filter = filter(properties, warnings)?;
+        let filter = filter(properties, role, warnings)?;
         let wrap = wrap_mode(properties)?;
         let raw = is_raw(properties, warnings)?;
         // These parameters say how texels are stored, fetched and cached.
