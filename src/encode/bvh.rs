@@ -13,7 +13,7 @@ use glam::Vec3;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
-use self::deforming::{KEY_TEXELS, Keys, box_at_all_times, move_keys};
+use self::deforming::{KEY_TEXELS, Keys, move_keys, vertices_of};
 use self::instances::is_instance;
 use self::normals::octahedral_encode;
 use self::split::Boxes;
@@ -145,9 +145,9 @@ impl Bvh {
         !self.keys.is_empty()
     }
 
-    /// Box that holds a triangle that deforms at all times, as (minimum, maximum).
-    pub(crate) fn box_of_deforming(&self, record: &PrimitiveRecord) -> (Vec3, Vec3) {
-        box_at_all_times(record, &self.keys, self.primitives.len() * PRIMITIVE_TEXELS)
+    /// Vertices of a triangle that deforms, at all times.
+    pub(crate) fn deforming_vertices(&self, record: &PrimitiveRecord) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+        vertices_of(record, &self.keys, self.primitives.len() * PRIMITIVE_TEXELS)
     }
 
     /// Number of leaves of the world, which come first among the primitives.

@@ -22,6 +22,7 @@ pub use group_tree::{first_weights, group_tree};
 
 use crate::encode::bvh::Bvh;
 use crate::encode::bvh::instances::{is_instance, number_of_part, shown};
+use crate::encode::bvh::is_deforming;
 use crate::encode::cells::morton_key;
 use crate::encode::textures::halves;
 use crate::generated::constants;
@@ -354,8 +355,15 @@ fn area_lights(scene: &Scene, bvh: &Bvh) -> AreaLights {
         };
         let of_cone = emitter.cone.map_or(1.0, |cone| cone.share());
         let radiance = of_cone * mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
-        let in_world = instance.map(|instance| shown(primitive, &bvh.attributes[instance as usize]));
-        area(in_world.as_ref().unwrap_or(primitive)) * PI * radiance * f64::from(emitter.sampling_weight)
+        let area_of = |primitive: &PrimitiveRecord| {
+            let in_world = instance.map(|instance| shown(primitive, &bvh.attributes[instance as usize]));
+            area(in_world.as_ref().unwrap_or(primitive))
+        };
+        let area = match is_deforming(primitive) {
+            true => mean_area(bvh.deforming_vertices(primitive).map(|vertices| area_of(&spanned(primitive, vertices)))),
+            false => area_of(primitive),
+        };
+        area * PI * radiance * f64::from(emitter.sampling_weight)
     };
     let powers: Vec<f64> = emitting.par_iter().map(power).collect();
     let mut placed = Vec::new();
@@ -368,6 +376,17 @@ fn area_lights(scene: &Scene, bvh: &Bvh) -> AreaLights {
     };
     let candidates = emitting.iter().zip(powers).map(candidate).collect();
     AreaLights { candidates, placed }
+}
+
+/// The triangle with other vertices.
+fn spanned(triangle: &PrimitiveRecord, [a, b, c]: [Vec3; 3]) -> PrimitiveRecord {
+    PrimitiveRecord { origin: a.into(), edge_u: (b - a).into(), edge_v: (c - a).into(), ..*triangle }
+}
+
+/// Mean of the areas at all times.
+fn mean_area(areas: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = areas.fold((0.0, 0.0), |(sum, count), area| (sum + area, count + 1.0));
+    sum / f64::max(count, 1.0)
 }
 
 /// Area of a primitive.

@@ -163,8 +163,8 @@ impl Scene {
         assert!((2..=MOST_INTERVALS + 1).contains(&sets.len()), "{} sets of positions", sets.len());
         let first = self.primitives.len() as u32;
         let key = |set: &Vec<[f32; 3]>, corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(|corner| Vec3::from(set[corner as usize]));
-            DeformedTriangle { origin: a, edge_u: b - a, edge_v: c - a, normals: None }
+            let vertices = corners.map(|corner| Vec3::from(set[corner as usize]));
+            DeformedTriangle { vertices, normals: None }
         };
         let keys = triangles.iter().flat_map(|corners| sets.iter().map(move |set| key(set, corners))).collect();
         self.deformations.push(Deformation { first, intervals: sets.len() as u32 - 1, keys });
@@ -270,15 +270,22 @@ impl Scene {
                     && keys.len() % deformation.keys_of_each() == 0
                     && first >= next
                     && first as usize + keys.len() / deformation.keys_of_each() <= primitives.len();
-                let triangles = || deformation.triangles().map(|index| &primitives[index as usize]);
-                let is_triangle = |p: &Primitive| p.shape == PrimitiveShape::Triangle;
-                let is_finite = |key: &DeformedTriangle| {
-                    [key.origin, key.edge_u, key.edge_v].iter().all(|vector| vector.is_finite())
+                let fits = |index: u32| {
+                    let p = &primitives[index as usize];
+                    let keys = deformation.keys_of(index);
+                    let [a, b, c] = keys[0].vertices;
+                    let is_sound = |key: &DeformedTriangle| {
+                        let vectors = || key.vertices.iter().chain(key.normals.iter().flatten());
+                        vectors().all(|vector| vector.is_finite()) && key.normals.is_some() == p.normals.is_some()
+                    };
+                    p.shape == PrimitiveShape::Triangle
+                        && [p.origin, p.edge_u, p.edge_v] == [a, b - a, c - a]
+                        && keys.iter().all(is_sound)
                 };
-                if !is_whole || !triangles().all(is_triangle) || !keys.iter().all(is_finite) {
+                if !is_whole || !deformation.triangles().all(fits) {
                     return Err(Error::Settings(format!(
                         "the deformation from primitive {first} on does not fit: give 2 to {} finite triangles for each of its \
-                         triangles, and keep deformations in order",
+                         triangles, the first of which is the primitive, and keep deformations in order",
                         MOST_INTERVALS + 1
                     )));
                 }

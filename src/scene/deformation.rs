@@ -22,12 +22,8 @@ pub struct Deformation {
 /// Triangle at a time.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct DeformedTriangle {
-    /// First vertex.
-    pub origin: Vec3,
-    /// Second vertex minus first.
-    pub edge_u: Vec3,
-    /// Third vertex minus first.
-    pub edge_v: Vec3,
+    /// The three vertices.
+    pub vertices: [Vec3; 3],
     /// Unit shading normals at the vertices, where the primitive has any.
     pub normals: Option<[Vec3; 3]>,
 }
@@ -35,8 +31,8 @@ pub struct DeformedTriangle {
 impl DeformedTriangle {
     /// Smallest axis-aligned box that holds the triangle, as (minimum, maximum).
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let (b, c) = (self.origin + self.edge_u, self.origin + self.edge_v);
-        (self.origin.min(b).min(c), self.origin.max(b).max(c))
+        let [a, b, c] = self.vertices;
+        (a.min(b).min(c), a.max(b).max(c))
     }
 }
 

@@ -6,7 +6,7 @@ use super::texel_pages::word_count;
 use super::texture::{Pattern, Textured};
 use super::{Primitive, PrimitiveShape, Scene};
 use crate::generated::constants::{KINDS_WITH_DIFFUSE_LOBE, KINDS_WITH_GUIDED_PART, MATERIAL_KIND_MASK};
-use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
+use crate::generated::layout::{AttributeRecord, KeyRecord, PrimitiveRecord};
 
 /// Contents of a scene in short.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -121,6 +121,8 @@ pub fn summarize(scene: &Scene) -> Summary {
     let stored = scene.primitives.iter().chain(of_groups);
     let count = |shape| stored.clone().filter(|primitive| primitive.shape == shape).count();
     let record_bytes = size_of::<PrimitiveRecord>() + size_of::<AttributeRecord>();
+    let deformations = scene.groups.iter().flat_map(|group| &group.deformations).chain(&scene.deformations);
+    let key_bytes = deformations.map(|deformation| deformation.keys.len()).sum::<usize>() * size_of::<KeyRecord>();
     let bytes = |image| 4 * word_count(image);
     Summary {
         name: scene.name.clone(),
@@ -132,7 +134,7 @@ pub fn summarize(scene: &Scene) -> Summary {
         triangles: count(PrimitiveShape::Triangle),
         instances: scene.instances.len(),
         shown_primitives: scene.shown_primitives(),
-        geometry_bytes: ((scene.stored_primitives() + scene.instances.len()) * record_bytes) as u64,
+        geometry_bytes: ((scene.stored_primitives() + scene.instances.len()) * record_bytes + key_bytes) as u64,
         parallelograms: count(PrimitiveShape::Parallelogram),
         disks: [PrimitiveShape::Disk, PrimitiveShape::FacingDisk].map(count).iter().sum(),
         spheres: count(PrimitiveShape::Sphere),

@@ -4,6 +4,7 @@
 //! in.
 
 use glam::{DMat3, DMat4, DVec3, Mat4, Quat, Vec3, vec3};
+use lodestar::scene::deformation::{Deformation, DeformedTriangle};
 use lodestar::scene::{Environment, Primitive, PrimitiveShape, Scene};
 use lodestar::settings::{Sampler, Settings};
 use support::scenes::{ours, settings, surface_mut};
@@ -131,6 +132,30 @@ fn in_instances() -> Vec<(&'static str, Scene)> {
     ]
 }
 
+/// Closed mesh that goes from one place to another while the shutter is open.
+fn deforming(n: u32, [from, to]: [fn(Vec3) -> Vec3; 2], eye: Vec3) -> Scene {
+    let (first, last) = (cube(n, from), cube(n, to));
+    let keys = first.iter().zip(&last).flat_map(|(&a, &b)| [a, b]);
+    let keys = keys.map(|vertices| DeformedTriangle { vertices, normals: None }).collect();
+    let mut scene = closed(first, eye);
+    scene.deformations.push(Deformation { first: 0, intervals: 1, keys });
+    scene
+}
+
+/// Closed meshes that change their shape.
+fn that_deform() -> Vec<(&'static str, Scene)> {
+    const FAR: Vec3 = vec3(300.0, -200.0, 100.0);
+    let swollen = |p: Vec3| turned(p * vec3(1.7, 0.8, 1.3)) + vec3(0.1, -0.1, 0.2);
+    let far = |p: Vec3| turned(p) + FAR;
+    let farther = |p: Vec3| turned(p * vec3(0.6, 1.9, 1.1)) + FAR + vec3(0.2, 0.1, -0.1);
+    vec![
+        ("a box that swells", deforming(1, [turned, swollen], vec3(0.1, 0.1, 0.1))),
+        ("a tessellated box that swells", deforming(32, [turned, swollen], vec3(0.1, 0.1, 0.1))),
+        ("a box that swells far from the origin", deforming(4, [far, farther], FAR)),
+        ("a tessellated box that swells far from the origin", deforming(32, [far, farther], FAR)),
+    ]
+}
+
 /// Tessellated mesh with bumps of 5 %. Half of its edges stick out into it.
 fn bumpy() -> Scene {
     let bump = |p: Vec3| turned(p * (1.0 + 0.05 * (11.0 * p.x).sin() * (9.0 * p.y).cos() * (10.0 * p.z).sin()));
@@ -191,6 +216,12 @@ fn no_ray_leaves_a_closed_mesh() {
 #[test]
 fn no_ray_leaves_a_closed_mesh_through_an_instance() {
     none_escapes_from(&Device::new(), in_instances(), FEW);
+}
+
+/// Meshes that change their shape are closed at all times.
+#[test]
+fn no_ray_leaves_a_closed_mesh_that_deforms() {
+    none_escapes_from(&Device::new(), that_deform(), FEW);
 }
 
 /// No ray of a hundred million leaves a closed mesh, as the renderer promises. The test takes minutes.

@@ -50,13 +50,13 @@ fn deform(scene: &mut Scene, first: usize, times: usize, place: impl Fn(usize, V
         let normals = p.normals.unwrap_or([Vec3::Z; 3]);
         let [a, b, c] = [0, 1, 2].map(|corner| place(time, corners[corner], normals[corner]));
         let normals = p.normals.map(|_| [a[1], b[1], c[1]].map(Vec3::normalize));
-        DeformedTriangle { origin: a[0], edge_u: b[0] - a[0], edge_v: c[0] - a[0], normals }
+        DeformedTriangle { vertices: [a[0], b[0], c[0]], normals }
     };
     let keys: Vec<_> =
         scene.primitives[first..].iter().flat_map(|p| (0..times).map(move |time| key(p, time))).collect();
     for (primitive, keys) in scene.primitives[first..].iter_mut().zip(keys.chunks(times)) {
-        let DeformedTriangle { origin, edge_u, edge_v, normals } = keys[0];
-        *primitive = Primitive { origin, edge_u, edge_v, normals, ..*primitive };
+        let DeformedTriangle { vertices: [origin, b, c], normals } = keys[0];
+        *primitive = Primitive { origin, edge_u: b - origin, edge_v: c - origin, normals, ..*primitive };
     }
     scene.deformations.push(Deformation { first: first as u32, intervals: times as u32 - 1, keys });
 }

@@ -108,12 +108,13 @@ fn deform(primitives: &mut [Primitive], deformations: &mut Vec<Deformation>, tim
             let place = time * f64::from(deformation.intervals);
             let before = (place as usize).min(deformation.intervals as usize - 1);
             let keys = &deformation.keys_of(index)[before..];
-            let (a, b, way) = (keys[0], keys[1], (place - before as f64) as f32);
-            let normals = a.normals.zip(b.normals);
+            let (before, after, way) = (keys[0], keys[1], (place - before as f64) as f32);
+            let normals = before.normals.zip(after.normals);
+            let [a, b, c] = [0, 1, 2].map(|at| before.vertices[at].lerp(after.vertices[at], way));
             primitives[index as usize] = Primitive {
-                origin: a.origin.lerp(b.origin, way),
-                edge_u: a.edge_u.lerp(b.edge_u, way),
-                edge_v: a.edge_v.lerp(b.edge_v, way),
+                origin: a,
+                edge_u: b - a,
+                edge_v: c - a,
                 normals: normals.map(|(a, b)| [0, 1, 2].map(|corner| a[corner].lerp(b[corner], way).normalize())),
                 ..primitives[index as usize]
             };

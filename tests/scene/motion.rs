@@ -137,7 +137,9 @@ fn sets_of_vertices() {
         let deformation = &scene.deformations[0];
         assert_eq!((scene.deformations.len(), deformation.triangles(), deformation.intervals), (1, 0..2, more as u32));
         for (at, key) in deformation.keys_of(1).iter().enumerate() {
-            assert_eq!((key.origin.to_array(), key.edge_u.to_array()), ([0.0, 0.0, at as f32], [1.0, 1.0, 0.0]));
+            let z = at as f32;
+            let vertices = key.vertices.map(|vertex| vertex.to_array());
+            assert_eq!(vertices, [[0.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]]);
             // Computed normals are those of the face.
             let z = if normals { -1.0 } else { 1.0 };
             assert!(key.normals.unwrap().iter().all(|normal| normal.to_array() == [0.0, 0.0, z]));
@@ -145,7 +147,7 @@ fn sets_of_vertices() {
         assert_eq!(scene.bounds().unwrap().1.z, more as f32);
     }
     let refused = load_sets(SENSOR, SHEET, 17, false).unwrap_err().to_string();
-    assert!(refused.contains("mesh.ply: the mesh has more than 17 sets of vertices"), "{refused}");
+    assert!(refused.contains("`position17_x` is one of more than 17 sets of vertices"), "{refused}");
     let group = format!(
         r#"<shape type="rectangle"/><shape type="shapegroup" id="g">{SHEET}<shape type="disk"/>{SHEET}</shape>
         <shape type="instance"><ref id="g"/>{ANIMATION}</shape>"#
@@ -155,6 +157,48 @@ fn sets_of_vertices() {
     let firsts: Vec<_> = scene.groups[0].deformations.iter().map(|deformation| deformation.first).collect();
     assert_eq!((scene.groups[0].primitives.len(), firsts), (5, vec![0, 3]));
     assert!(scene.bounds().unwrap().1.x > 2.0);
+}
+
+/// Sets that are not whole, or have no set before them, are refused.
+#[test]
+fn sets_are_whole() {
+    let refused = |properties: &str, parts: &[&str]| {
+        let names: Vec<&str> = properties.split(' ').collect();
+        let lines: String = names.iter().map(|name| format!("property float {name}\n")).collect();
+        let mesh = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\n{lines}element face 1\nproperty list uchar int vertex_indices\nend_header\n{}3 0 1 2\n",
+            format!("{}\n", vec!["1"; names.len()].join(" ")).repeat(3)
+        );
+        let text = format!("<scene version=\"3.0.0\">{SENSOR}{SHEET}</scene>");
+        let message = Folder::new(&[("scene.xml", &text), ("mesh.ply", &mesh)]).load(&[]).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| message.contains(part)), "{properties}: {message}");
+    };
+    for (properties, name) in [
+        ("x y z position1_x", "position1_x"),
+        ("x y z position1_x position1_y", "position1_x"),
+        ("x y z position1_z position1_y position1_x", "position1_z"),
+        ("x y z position2_x position2_y position2_z", "position2_x"),
+        ("x y z normal1_x normal1_y normal1_z", "normal1_x"),
+    ] {
+        refused(properties, &["mesh.ply:", "the sets of vertices are not whole", name]);
+    }
+    let twice = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement vertex 1\nend_header\n";
+    let text = format!("<scene version=\"3.0.0\">{SENSOR}{SHEET}</scene>");
+    let message = Folder::new(&[("scene.xml", &text), ("mesh.ply", twice)]).load(&[]).unwrap_err().to_string();
+    assert!(message.contains("mesh.ply:5: a second element `vertex`"), "{message}");
+}
+
+/// A triangle that has no area at first has the front that its normals give it later.
+#[test]
+fn a_mesh_may_grow_from_a_point() {
+    let mesh = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float position1_x\n\
+                property float position1_y\nproperty float position1_z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0 0 0 0\n0 0 0 0 1 0\n0 0 0 1 0 0\n3 0 1 2\n";
+    let text = format!("<scene version=\"3.0.0\">{SENSOR}{SHEET}</scene>");
+    let scene = Folder::new(&[("scene.xml", &text), ("mesh.ply", mesh)]).load(&[]).unwrap();
+    let (primitive, keys) = (&scene.primitives[0], scene.deformations[0].keys_of(0));
+    assert!(!primitive.flip_normal && keys.len() == 2);
+    assert_eq!(keys[1].normals.unwrap()[0].z, -1.0);
 }
 
 /// Without time, a mesh has its first shape.

@@ -92,6 +92,7 @@ class _Exporter:
         self.materials: dict[str, materials.Material] = {}
         self.parts: dict[Any, Any] = {}
         self.hair_files = hair.Files(self.meshes, self.report)
+        self.hair_places = Kept()
         self.shapes = Shapes()
         self.enclosures = Enclosures(self.report)
         self.grid_files: set[str] = set()
@@ -316,16 +317,18 @@ class _Exporter:
         """Strands of an object. Instances of one object share them."""
         key = "strands", owner.original.as_pointer(), owner.data.as_pointer()
         if key not in self.parts:
-            kept = None if self.viewed is None else self.viewed.kept
+            kept = self.hair_places if self.viewed is None else self.viewed.kept
             self.parts[key] = hair.groups(owner, self.depsgraph.mode == "RENDER", self.depsgraph.scene, kept)
             self.motions.move_strands(owner, self.parts[key])
         return self.parts[key]
 
-    def _strands_now(self, instance: Any) -> Optional[list[Strands]]:
-        """Strands that an instance shows, as they are at the time of the scene; None where they are not looked at."""
+    def _strands_now(self, instance: Any, time: float) -> Optional[list[Strands]]:
+        """Strands that an instance shows at the time of the shutter that the scene is at; None where they are not looked at."""
         if not hair.shows_hair(instance, self.depsgraph.view_layer_eval) or hair.is_dynamic(instance.object):
             return None
-        return hair.groups(instance.object, self.depsgraph.mode == "RENDER", self.depsgraph.scene, None)
+        # Points of the middle of the time are looked up once.
+        kept = self.hair_places if time == 0.5 else None
+        return hair.groups(instance.object, self.depsgraph.mode == "RENDER", self.depsgraph.scene, kept)
 
     def _strand_file(self, owner: Any, group: Strands, key: str, stretch: Any) -> str:
         material = self.materials[key]
@@ -497,7 +500,7 @@ def _brighten(emitter: xml.Element, factor: float) -> None:
 
 def _remove_unused(folder: Path, used: set[str]) -> None:
     """Removes meshes and images of earlier exports."""
-    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr", "grid-*.vol", "grid-*.part"):
+    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr", "image-*.png", "grid-*.vol", "grid-*.part"):
         for path in folder.glob(pattern):
             if path.name not in used:
                 path.unlink(missing_ok=True)

@@ -79,7 +79,8 @@ class Files:
         """Writes strands. `stretch` is the linear part of a transform that is uneven, with which the tubes are round in the world."""
         points, *later = (_stretched(each, stretch) for each in (group.points, *group.later))
         shape = (tubes.Polylines if group.is_linear else tubes.Splines)(points, group.counts)
-        quality = shape.quality()
+        later_shapes = [tubes.Splines(each, group.counts) for each in later]
+        quality = shape.quality(*later_shapes)
         if quality.is_coarse:
             message = f"its {len(group.counts)} strands are tubes of {quality.sides} sides, {quality.triangles} triangles in all, because they are many"
             self._report.note(place, message)
@@ -89,7 +90,7 @@ class Files:
             digest.update(b"" if each is None else np.ascontiguousarray(each).tobytes())
 
         def made() -> tuple[list[str], np.ndarray, np.ndarray]:
-            return self._made(group, wanted, [shape, *(tubes.Splines(each, group.counts) for each in later)], quality, data, stretch)
+            return self._made(group, wanted, [shape, *later_shapes], quality, data, stretch)
 
         return self._meshes.write_named(f"mesh-{digest.hexdigest()}.ply", made)
 
@@ -128,16 +129,16 @@ class Files:
         names += set_names(len(later))
         vertices, triangles, count = [], [], 0
         for rings in tubes.parts(first.rings(quality)):
-            across = tubes.frames(rings)
-            made = tubes.mesh(rings, across, quality.sides, has_seam=wanted.is_fiber)
+            across, moved = tubes.frames(rings), [shape.rings_like(rings) for shape in later]
+            is_point = np.logical_and.reduce([each.radius <= 0.0 for each in (rings, *moved)])
+            made = tubes.mesh(rings, across, quality.sides, wanted.is_fiber, is_point)
             columns = [_unstretched(made, stretch)]
             if self._has_uvs(wanted, data):
                 columns.append(self._uvs(group, wanted, made, data))
             if "color" in data:
                 columns.append(data["color"][made.strand])
-            for shape in later:
-                moved = shape.rings_like(rings)
-                of_set = tubes.mesh(moved, tubes.frames_like(across, moved), quality.sides, has_seam=wanted.is_fiber)
+            for each in moved:
+                of_set = tubes.mesh(each, tubes.frames_like(across, each), quality.sides, wanted.is_fiber, is_point)
                 columns.append(_unstretched(of_set, stretch))
             vertices.append(np.concatenate(columns, axis=1).astype(np.float32))
             is_mirrored = stretch is not None and np.linalg.det(stretch) < 0.0

@@ -103,6 +103,10 @@ def _translated(material: Any, reader: Reader) -> Material:
         if emission is not None:
             _whiten(emission)
         reader.color_attributes.clear()
+    # Before 4.2, the setting is one of Cycles.
+    casts_holes = getattr(material, "use_transparent_shadow", getattr(material.cycles, "use_transparent_shadow", True))
+    if not casts_holes and any(bsdf.get("type") in ("mask", "null") for bsdf in element.iter("bsdf")):
+        reader.warn("Transparent Shadows that are off are not supported; light passes where the surface is transparent")
     is_glass = closure.below is None and any(b.get("type") in ("dielectric", "roughdielectric") for b in element.iter("bsdf"))
     return Material(
         element,

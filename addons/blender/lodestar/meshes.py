@@ -126,8 +126,10 @@ class Meshes:
         positions = _get(mesh.vertices, "co", 3 * len(mesh.vertices), np.float32).reshape(-1, 3)
         vertex_of_loop = _get(mesh.loops, "vertex_index", len(mesh.loops), np.int32)
         normals = _get(mesh.corner_normals, "vector", 3 * len(mesh.loops), np.float32).reshape(-1, 3)
-        if not sets or sets[0].positions.shape != positions.shape or sets[0].normals.shape != normals.shape:
-            sets = [Vertices(positions, normals)]
+        if sets and (sets[0].positions.shape != positions.shape or sets[0].normals.shape != normals.shape):
+            self.report.warn(place, "the mesh that is written is another than the one that changes its shape, which is not supported; it keeps its shape")
+            sets = ()
+        sets = sets or [Vertices(positions, normals)]
         _note_twins(positions, vertex_of_loop[loops], place, self.report)
         # Of a flat face that is not plane, each triangle is flat in Cycles, unless the mesh has normals of its own.
         is_flat = ~_get(mesh.loop_triangles, "use_smooth", count, bool) & (not mesh.has_custom_normals)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
@@ -81,8 +81,8 @@ def key_times(owner: Any, parent: Any, report: Report) -> list[float]:
 class Motions:
     """Courses of a scene's instances and of its camera."""
 
-    def __init__(self, depsgraph: Any, camera: Any, report: Report, strands_of: Callable[[Any], Optional[list[Any]]] = lambda _: None) -> None:
-        """`strands_of` gives the strands that an instance shows, if they may move."""
+    def __init__(self, depsgraph: Any, camera: Any, report: Report, strands_of: Callable[[Any, float], Optional[list[Any]]] = lambda *_: None) -> None:
+        """`strands_of` gives the strands that an instance shows at the time that the scene is at, if they may move."""
         self._depsgraph, self._camera, self._report, self._strands_of = depsgraph, camera, report, strands_of
         self._times: dict[Hashable, list[float]] = {}
         self._keys: dict[Hashable, dict[float, Any]] = {}
@@ -107,8 +107,8 @@ class Motions:
             pending = (pending | {time for times in self._times.values() for time in times}) - done
         open_shutter.go(0.5)
         self._keys = {name: keys for name, keys in self._keys.items() if any(key != keys[min(keys)] for key in keys.values())}
-        self._vertices = {name: sets for name, sets in self._vertices.items() if self._deforms(name, list(sets.values()))}
-        self._strands = {name: sets for name, sets in self._strands.items() if self._strands_move(name, list(sets.values()))}
+        self._vertices = {name: sets for name, sets in self._vertices.items() if self._deforms(name, sets)}
+        self._strands = {name: sets for name, sets in self._strands.items() if self._strands_move(name, sets)}
         for each in (self._first, self._shapes, self._equal):
             each.clear()
 
@@ -117,22 +117,30 @@ class Motions:
 
     def vertices(self, owner: Any) -> list[Vertices]:
         """Vertices of an object's mesh at evenly spaced times of the shutter; none where it keeps its shape."""
-        sets = self._vertices.get(owner.name_full, {})
+        sets = self._vertices.get(owner.name_full, {}) if self._is_own(owner) else {}
         return [sets[time] for time in sorted(sets)]
 
     def move_strands(self, owner: Any, groups: list[Any]) -> None:
         """Gives an object's strands their points at evenly spaced times of the shutter, where they move."""
-        sets = self._strands.get(owner.name_full, {})
+        sets = self._strands.get(owner.name_full, {}) if self._is_own(owner) else {}
         times = [sets[time] for time in sorted(sets)]
         for group, *at_times in zip(groups, *times) if times else ():
-            first, *later = (each.points for each in at_times)
-            if np.array_equal(group.counts, at_times[0].counts):
-                group.points, group.later = first, later
+            if _is_same(group, at_times[0]):
+                group.points, *group.later = (each.points for each in at_times)
 
-    def _strands_move(self, name: str, sets: list[list[Any]]) -> bool:
+    def _is_whole(self, name: str, times: Iterable[float]) -> bool:
+        """Whether sets are those of evenly spaced times from the opening to the closing. Reports others."""
+        if sorted(times) == [float(time) for time in np.linspace(0.0, 1.0, len(list(times)))]:
+            return True
+        message = "its shape changes, but it is not shown at all times of the shutter, which is not supported; it keeps its shape"
+        self._report.warn(f'object "{name}"', message)
+        return False
+
+    def _strands_move(self, name: str, of_times: dict[float, list[Any]]) -> bool:
         """Whether strands move. Reports those that become more or fewer."""
+        sets = list(of_times.values())
         first = sets[0]
-        is_same = [len(each) == len(first) and all(np.array_equal(a.counts, b.counts) for a, b in zip(each, first)) for each in sets]
+        is_same = [len(each) == len(first) and all(_is_same(a, b) for a, b in zip(each, first)) for each in sets]
         if not all(is_same):
             message = "its strands become more or fewer while the shutter is open, which is not supported; they move with the object"
             self._report.warn(f'object "{name}"', message)
@@ -142,16 +150,17 @@ class Motions:
             message = "strands of straight pieces that change their shape while the shutter is open are not supported; they move with the object"
             self._report.warn(f'object "{name}"', message)
             return False
-        return moves
+        return moves and self._is_whole(name, of_times)
 
-    def _deforms(self, name: str, sets: list[Vertices]) -> bool:
+    def _deforms(self, name: str, of_times: dict[float, Vertices]) -> bool:
         """Whether the vertices of a mesh move. Reports a mesh whose vertices become more or fewer."""
+        sets = list(of_times.values())
         first = sets[0]
         if any(each.positions.shape != first.positions.shape or each.normals.shape != first.normals.shape for each in sets):
             message = "its vertices become more or fewer while the shutter is open, which is not supported; it keeps its shape"
             self._report.warn(f'object "{name}"', message)
             return False
-        return any(not np.array_equal(each.positions, first.positions) for each in sets[1:])
+        return any(not np.array_equal(each.positions, first.positions) for each in sets[1:]) and self._is_whole(name, of_times)
 
     def course(self, name: Hashable, matrix: Any, place: str) -> Course:
         """Course of an instance or of the camera, whose place in the middle of the time is `matrix`."""
@@ -184,7 +193,10 @@ class Motions:
             if owner.type == "MESH" and _may_change(owner) and self._is_own(owner):
                 sets = self._vertices.setdefault(owner.name_full, {})
                 if time not in sets:
-                    sets[time] = Vertices.of(owner.data)
+                    made, first = Vertices.of(owner.data), next(iter(sets.values()), None)
+                    # What stands still is held once.
+                    is_still = first is not None and all(np.array_equal(*each) for each in zip(made, first))
+                    sets[time] = first if is_still else made
             elif time in (0.0, 1.0) and not (owner.type == "CURVES" and self._is_own(owner)):
                 self._compare(name, owner, time)
 
@@ -192,7 +204,7 @@ class Motions:
         owner = instance.object
         if not _may_change(owner) or time in self._strands.get(owner.name_full, {}) or not self._is_own(owner):
             return
-        groups = self._strands_of(instance)
+        groups = self._strands_of(instance, time)
         if groups is not None:
             self._strands.setdefault(owner.name_full, {})[time] = groups
 
@@ -246,6 +258,11 @@ class _Shape(NamedTuple):
 
     pointer: int
     numbers: np.ndarray
+
+
+def _is_same(a: Any, b: Any) -> bool:
+    """Whether groups of strands have the same strands with as many points."""
+    return a.slot == b.slot and np.array_equal(a.counts, b.counts) and np.array_equal(a.numbers, b.numbers)
 
 
 def _may_change(owner: Any) -> bool:

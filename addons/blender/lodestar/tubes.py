@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 
@@ -104,10 +104,12 @@ class Splines:
             turn = np.maximum(turn, sideways / np.sqrt(square))
         return bend, turn
 
-    def quality(self) -> Quality:
-        """The finest tubes that are not too many triangles, or the coarsest ones."""
+    def quality(self, *later: Splines) -> Quality:
+        """The finest tubes that are not too many triangles, or the coarsest ones. They suit splines of as many points at later times, too."""
         most = _most_triangles(len(self.counts))
-        bend, turn = self.needs()
+        for each in later:
+            self.lengths, self.radii = np.maximum(self.lengths, each.lengths), np.maximum(self.radii, each.radii)
+        bend, turn = (np.maximum.reduce(needs) for needs in zip(*(each.needs() for each in (self, *later))))
         levels = _levels(self.radii, self.lengths)
         for sides, coarseness in levels:
             sag = coarseness * np.maximum(SAG_OF_LENGTH * self.lengths, SAG_OF_RADIUS * self.radii)[self.owners]
@@ -230,13 +232,13 @@ def _most_triangles(strands: int) -> int:
     return min(max(MANY_TRIANGLES, MANY_OF_A_STRAND * strands), MOST_TRIANGLES)
 
 
-def mesh(rings: Rings, first: np.ndarray, sides: int, has_seam: bool) -> Tubes:
+def mesh(rings: Rings, first: np.ndarray, sides: int, has_seam: bool, is_point: Optional[np.ndarray] = None) -> Tubes:
     """Triangles around rings that begin in the directions `first`, across the strand. With a seam, the last column of vertices repeats the
-    first, so that the place around ends at 1."""
+    first, so that the place around ends at 1. `is_point` tells which rings are points at all times."""
     second = np.cross(rings.tangent, first)
     columns = sides + 1 if has_seam else sides
     count = len(rings.strand)
-    is_point = rings.radius <= 0.0
+    is_point = rings.radius <= 0.0 if is_point is None else is_point
     step = 2.0 * math.pi / sides
     # A point has normals of the middles of the sides that meet there.
     angle = step * np.array([np.arange(columns), np.arange(columns) + 0.5])

@@ -204,6 +204,20 @@ def test_tubes_lie_on_their_splines() -> None:
     assert (facing > 0.0).all()
 
 
+def test_tubes_are_as_fine_as_all_their_times_need() -> None:
+    """A strand that is straight at first and bends later has the rings of the bent one, and one that grows a tip has the tip's triangles."""
+    z = np.linspace(0.0, 1.0, 9)
+    straight = tubes.Splines(np.stack([0 * z, 0 * z, z, 0 * z + 0.01], axis=1), np.array([9]))
+    bent = tubes.Splines(np.stack([np.sin(3.0 * z), 0 * z, z, 0 * z + 0.01], axis=1), np.array([9]))
+    assert straight.quality().pieces[0] < bent.quality().pieces[0] <= straight.quality(bent).pieces[0]
+    quality = straight.quality(bent)
+    rings = bent.rings_like(straight.rings(quality))
+    middle, _, _ = bent.at(rings.segment[:-1] + 0, 0.5 * (rings.u[:-1] + np.where(rings.segment[1:] == rings.segment[:-1], rings.u[1:], 1.0)))
+    chord = 0.5 * (rings.center[1:] + rings.center[:-1])
+    same = rings.segment[1:] == rings.segment[:-1]
+    assert np.linalg.norm(middle[same, :3] - chord[same], axis=1).max(initial=0.0) < 0.01
+
+
 def test_tubes_that_move_do_not_twist() -> None:
     """Vertices of splines that turn as a whole turn with them, but for a small twist, and have the radius."""
     found = spline(20, 0.05)

@@ -153,6 +153,33 @@ def test_an_instance_that_changes_is_named(tmp_path: Path) -> None:
     assert len(found.report.warnings) == 1 and found.report.warnings[0].startswith('object "points": its shape changes')
 
 
+def test_what_an_object_instances_has_its_own_shape(tmp_path: Path) -> None:
+    """A sheet whose points move, and a still sheet with as many points that it shows beside itself."""
+    sheet = scenes.plane(base(), "sheet", 2, scenes.diffuse("red", (0.7, 0.2, 0.2)), location=(0, 0, 1), rotation=(0.5, 0, 0))
+    for point in sheet.data.vertices:
+        point.co.z = point.co.x
+    sheet.modifiers.new("lean", "NODES").node_group = lean("frame - 5")
+    group = bpy.data.node_groups.new("beside", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    kinds = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeJoinGeometry", "GeometryNodeMeshGrid", "GeometryNodeInstanceOnPoints")
+    start, end, join, grid, shown = (group.nodes.new(kind) for kind in kinds)
+    grid.inputs["Vertices X"].default_value = grid.inputs["Vertices Y"].default_value = 2
+    for source, target in (
+        (start.outputs[0], join.inputs[0]),
+        (start.outputs[0], shown.inputs["Points"]),
+        (grid.outputs[0], shown.inputs["Instance"]),
+        (shown.outputs[0], join.inputs[0]),
+        (join.outputs[0], end.inputs[0]),
+    ):
+        group.links.new(source, target)
+    sheet.modifiers.new("beside", "NODES").node_group = group
+    found, _ = exported(tmp_path)
+    assert found.report.warnings == []
+    has_sets = [b"position2_x" in path.read_bytes() for path in tmp_path.glob("mesh-*.ply")]
+    assert sorted(has_sets) == [False, False, True], "the ground, the instanced sheet and the sheet"
+
+
 def warnings_of(change: Callable[[Any], None], folder: Path) -> list[str]:
     scene = base()
     change(scene)
@@ -164,6 +191,15 @@ def warnings_of(change: Callable[[Any], None], folder: Path) -> list[str]:
 def growing(scene: Any) -> None:
     ball = scenes.ball(scene, "ball", 0.6, scenes.diffuse("red", (0.7, 0.2, 0.2)))
     drive(ball.modifiers.new("more", "ARRAY"), "count", -1, "2 * frame - 8")
+
+
+def appearing(scene: Any) -> None:
+    ball = scenes.ball(scene, "ball", 0.6, scenes.diffuse("red", (0.7, 0.2, 0.2)))
+    ball.shape_key_add(name="Basis")
+    ball.shape_key_add(name="tall").data[0].co.z = 2.0
+    drive(ball.data.shape_keys.key_blocks["tall"], "value", -1, "frame - 4.5")
+    for name in ("hide_viewport", "hide_render"):
+        drive(ball, name, -1, "frame < 4.75")
 
 
 def flattening(scene: Any) -> None:
@@ -203,6 +239,7 @@ def textured(scene: Any) -> None:
     "change,text",
     [
         (growing, 'object "ball": its vertices become more or fewer'),
+        (appearing, 'object "ball": its shape changes, but it is not shown at all times'),
         (flattening, 'object "ball": it is flat'),
         (mirrored_on_the_way, 'object "ball": it is flat'),
         (small_lamp, 'light "point": the motion of suns'),

@@ -655,6 +655,12 @@ def coat_with_normals(scene: Any) -> None:
     scene.objects["ball"].data.materials[0] = made
 
 
+def whole_shadows(scene: Any) -> None:
+    made = scenes.simple("leaf", "ShaderNodeBsdfPrincipled", Alpha=0.5)
+    made.use_transparent_shadow = False
+    scene.objects["ball"].data.materials[0] = made
+
+
 def fast_gi(scene: Any) -> None:
     scene.cycles.use_fast_gi = True
 
@@ -663,6 +669,7 @@ def fast_gi(scene: Any) -> None:
     "change,text",
     [
         (without_caustics, "scene: light that passes glass onto rough surfaces is rendered"),
+        (whole_shadows, 'material "leaf": Transparent Shadows that are off'),
         (fast_gi, "scene: Fast GI Approximation"),
         (coat_with_normals, 'material "coated": Coat Normal is not supported'),
         (sharp_orthographic, 'camera "camera": depth of field of an orthographic camera'),

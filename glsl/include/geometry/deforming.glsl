@@ -20,23 +20,27 @@ struct Keys {
 
 Keys keys_now(uint primitive) {
     uint count = deforming_intervals(primitive);
-    float place = moment * float(count);
+    precise float place = moment * float(count);
     uint at = min(uint(place), count - 1u);
+    precise float way = place - float(at);
     uint first = deforming_first_key(primitive) + at * KEY_TEXELS;
-    return Keys(load_key(first), load_key(first + KEY_TEXELS), place - float(at));
+    return Keys(load_key(first), load_key(first + KEY_TEXELS), way);
 }
 
 // Primitive at the path's time. Distances to the plane of a deforming triangle are measured from its own origin. Its numbers are exact to
-// the last bit wherever they are computed, so that a ray meets the surface where its hit is placed.
+// the last bit wherever they are computed, so that a ray meets the surface where its hit is placed. Vertices are mixed and not edges, so that
+// triangles that share a vertex find it in the same place.
 PrimitiveRecord primitive_now(uint primitive) {
     PrimitiveRecord p = load_primitive(primitive);
     if (is_deforming(p.flags)) {
         Keys keys = keys_now(primitive);
-        precise vec3 origin = keys.before.origin + keys.way * (keys.after.origin - keys.before.origin);
-        precise vec3 edge_u = keys.before.edge_u + keys.way * (keys.after.edge_u - keys.before.edge_u);
-        precise vec3 edge_v = keys.before.edge_v + keys.way * (keys.after.edge_v - keys.before.edge_v);
+        precise vec3 a = keys.before.vertex0 + keys.way * (keys.after.vertex0 - keys.before.vertex0);
+        precise vec3 b = keys.before.vertex1 + keys.way * (keys.after.vertex1 - keys.before.vertex1);
+        precise vec3 c = keys.before.vertex2 + keys.way * (keys.after.vertex2 - keys.before.vertex2);
+        precise vec3 edge_u = b - a;
+        precise vec3 edge_v = c - a;
         precise float longest = max(length(edge_u), max(length(edge_v), length(edge_u - edge_v)));
-        p.origin = origin;
+        p.origin = a;
         p.edge_u = edge_u;
         p.edge_v = edge_v;
         p.edge_tolerance = longest;

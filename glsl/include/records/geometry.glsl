@@ -61,12 +61,12 @@ struct DeformingRecord {
 
 // Deforming triangle at a time.
 struct KeyRecord {
-    vec3 origin;   // first vertex
-    uint normal0;  // normal of the first vertex in octahedral encoding, 16 bits per coordinate
-    vec3 edge_u;   // first edge vector
-    uint normal1;  // normal of the second vertex
-    vec3 edge_v;   // second edge vector
-    uint normal2;  // normal of the third vertex
+    vec3 vertex0;  // first vertex
+    uint normal0;  // its normal in octahedral encoding, 16 bits per coordinate
+    vec3 vertex1;  // second vertex
+    uint normal1;  // its normal
+    vec3 vertex2;  // third vertex
+    uint normal2;  // its normal
 };
 
 // Segment of a motion, from one key to the next. With s from 0 to 1 on the way, the matrix is that of a rotation by s times the angle, after

@@ -79,7 +79,6 @@ const uint PRIMITIVE_MOVING = 256u;
 const uint PRIMITIVE_FACING = 512u;
 // Rays that come straight from the camera pass the shape.
 const uint PRIMITIVE_UNSEEN = 1024u;
-
 // The shape is a triangle whose vertices move while the shutter is open.
 const uint PRIMITIVE_DEFORMING = 2048u;
 

@@ -61,21 +61,21 @@ pub(super) fn move_keys(records: &mut [PrimitiveRecord], texels: usize) {
 }
 
 fn record(key: &DeformedTriangle, turn: Turn) -> KeyRecord {
-    let [origin, edge_u, edge_v] = turn.triangle(key.origin, key.edge_u, key.edge_v).map(Into::into);
+    let mut vertices = key.vertices.map(<[f32; 3]>::from);
     let mut normals = key.normals.map_or([0; 3], |normals| normals.map(octahedral_encode));
+    turn.corners(&mut vertices);
     turn.corners(&mut normals);
-    let [normal0, normal1, normal2] = normals;
-    KeyRecord { origin, normal0, edge_u, normal1, edge_v, normal2 }
+    let ([vertex0, vertex1, vertex2], [normal0, normal1, normal2]) = (vertices, normals);
+    KeyRecord { vertex0, normal0, vertex1, normal1, vertex2, normal2 }
 }
 
-/// Box that holds a deforming triangle at all times, as (minimum, maximum), from its keys.
-pub(crate) fn box_at_all_times(record: &PrimitiveRecord, keys: &[KeyRecord], first_texel: usize) -> (Vec3, Vec3) {
+/// Vertices of a deforming triangle at all times. The first of all `keys` is that texel of the primitives' buffer.
+pub(super) fn vertices_of<'a>(
+    record: &PrimitiveRecord,
+    keys: &'a [KeyRecord],
+    first_texel: usize,
+) -> impl Iterator<Item = [Vec3; 3]> + use<'a> {
     let DeformingRecord { intervals, first_key, .. } = bytemuck::cast(*record);
     let first = (first_key as usize - first_texel) / KEY_TEXELS;
-    let boxes = keys[first..=first + intervals as usize].iter().map(|key| {
-        let [origin, u, v] = [key.origin, key.edge_u, key.edge_v].map(Vec3::from);
-        let (b, c) = (origin + u, origin + v);
-        (origin.min(b).min(c), origin.max(b).max(c))
-    });
-    boxes.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    keys[first..=first + intervals as usize].iter().map(|key| [key.vertex0, key.vertex1, key.vertex2].map(Vec3::from))
 }

@@ -33,16 +33,22 @@ pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
     let instances = records.par_iter().filter(|record| bvh.has_instances() && is_instance(record));
     let is_exact = instances.map(|record| part_of(&bvh.parts, record).primitives.len() as u64).sum::<u64>()
         <= MOST_PLACED
-        && !bvh.deforms();
+        && !has_deforming_parts(bvh);
     records.par_iter().zip(attributes).for_each(|(record, attributes)| match is_instance(record) {
         true => for_touched_by_instance(bvh, grid, record, attributes, is_exact, occupy),
         false if is_deforming(record) => {
-            let (min, max) = bvh.box_of_deforming(record);
-            for_places_of_box(grid, [min, max], occupy);
+            let vertices = bvh.deforming_vertices(record).flatten();
+            let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+            for_places_of_box(grid, vertices.fold(empty, |[min, max], v| [min.min(v), max.max(v)]), occupy);
         }
         false => for_touched(grid, record, occupy),
     });
     occupied.into_iter().map(AtomicBool::into_inner).collect()
+}
+
+/// Whether some triangle deforms that instances show. The boxes of its part hold it at all times.
+fn has_deforming_parts(bvh: &Bvh) -> bool {
+    bvh.deforms() && bvh.primitives[bvh.world_len()..].iter().any(is_deforming)
 }
 
 /// Calls `touch` with every place that the primitive may touch.

@@ -14,7 +14,6 @@ mod words;
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::scene::deformation::MOST_INTERVALS;
 use crate::scene::text;
 use crate::{Error, Result, inputs};
 
@@ -58,14 +57,6 @@ pub(super) fn read(path: &Path, format: MeshFormat, attributes: &[&str]) -> Resu
             ),
         };
         return Err(Error::scene(path, None, message));
-    }
-    if mesh.values_of(&set_attribute("position", MOST_INTERVALS + 1)).is_some() {
-        let most = MOST_INTERVALS + 1;
-        return Err(Error::scene(
-            path,
-            None,
-            format!("the mesh has more than {most} sets of vertices; leave some out"),
-        ));
     }
     Ok(mesh)
 }

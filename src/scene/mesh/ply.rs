@@ -79,7 +79,14 @@ fn read_header(bytes: &[u8]) -> Result<(Vec<Element>, Source<'_>), Fault> {
         let fault = |message| (Some(line), message);
         match words.next() {
             b"format" => encoding = Some(read_format(&mut words).map_err(fault)?),
-            b"element" => elements.push(read_element(&mut words).map_err(fault)?),
+            b"element" => {
+                let element = read_element(&mut words).map_err(fault)?;
+                let is_known = |own: &Element| own.name == element.name;
+                if matches!(&*element.name, "vertex" | "face") && elements.iter().any(is_known) {
+                    return Err(fault(format!("a second element `{}`; a mesh has one", element.name)));
+                }
+                elements.push(element);
+            }
             b"property" => {
                 let property = read_property(&mut words).map_err(fault)?;
                 let owner: &mut Element =
@@ -283,9 +290,12 @@ impl Element {
 
     /// Attributes of the items that textures may show. `kind` is the beginning of their names.
     fn attributes(&self, kind: &str, wanted: &[&str]) -> Kept {
-        let name = |property: &Property| property.length.is_none().then(|| property.name.clone());
-        let names: Vec<_> = self.properties.iter().map(name).collect();
-        Kept::of(kind, &names.iter().map(Option::as_deref).collect::<Vec<_>>(), wanted)
+        Kept::of(kind, &self.names(), wanted)
+    }
+
+    /// Names of the properties; `None` stands for a list.
+    fn names(&self) -> Vec<Option<&str>> {
+        self.properties.iter().map(|property| property.length.is_none().then_some(&*property.name)).collect()
     }
 
     /// Index of the property that has one of these names and is a list or not.
@@ -313,6 +323,9 @@ fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh, wanted
     let largest = [8, 9, 10].map(|own| largest(places[own]));
     mesh.has_byte_colors |= has_colors && largest.iter().any(|&largest| largest != 1.0);
     let mut attributes = element.attributes("vertex_", wanted);
+    if !wanted.is_empty() {
+        attributes.check_sets(&element.names())?;
+    }
     for _ in 0..element.count {
         let mut vertex = [0.0_f32; VERTEX_NUMBERS.len()];
         element.read(source, |place, number| {

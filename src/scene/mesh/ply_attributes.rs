@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::triangles::MeshAttribute;
+use super::triangles::{MeshAttribute, set_attribute};
+use crate::scene::deformation::MOST_INTERVALS;
 
 /// Last letters of the names of an attribute's properties, in their order, for each way to call them.
 const ENDINGS: [[char; 4]; 4] =
@@ -50,6 +51,37 @@ impl Kept {
         }
         kept.current = vec![Vec3::ZERO; kept.attributes.len()];
         kept
+    }
+
+    /// Checks that properties which look like sets of vertices are whole sets: x, y and z of `position1`, `position2` and so on, and of
+    /// their normals.
+    pub fn check_sets(&self, names: &[Option<&str>]) -> Result<(), String> {
+        let set = |name: &&str| {
+            let (base, _) = name.split_once('_')?;
+            let number = base.strip_prefix("position").or_else(|| base.strip_prefix("normal"))?;
+            let is_number = number.bytes().all(|digit| digit.is_ascii_digit());
+            is_number.then(|| number.parse().ok()).flatten().filter(|&number: &usize| number > 0)
+        };
+        let is_whole = |attribute: &str| {
+            let at = self.attributes.iter().position(|own| own.name == attribute);
+            at.is_some_and(|at| self.places[at].len() == 3)
+        };
+        for name in names.iter().flatten().filter(|name| set(name).is_some()) {
+            let number = set(name).unwrap_or_default();
+            if number > MOST_INTERVALS {
+                let most = MOST_INTERVALS + 1;
+                return Err(format!("`{name}` is one of more than {most} sets of vertices; leave some out"));
+            }
+            let (base, _) = name.split_once('_').unwrap_or((name, ""));
+            let mut needed = (1..=number).map(|at| set_attribute("position", at)).chain([format!("vertex_{base}")]);
+            if !needed.all(|attribute| is_whole(&attribute)) {
+                return Err(format!(
+                    "the sets of vertices are not whole: `{name}` needs x, y and z of `position1` to `position{number}`, each after the \
+                     other, and of `{base}`"
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Notes the number of a property of the current item.

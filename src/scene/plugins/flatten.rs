@@ -148,6 +148,11 @@ impl Vertices {
         [b - a, c - a]
     }
 
+    fn has_area(&self, corners: [u32; 3]) -> bool {
+        let [edge_u, edge_v] = self.edges(corners);
+        has_area(edge_u, edge_v)
+    }
+
     fn is_finite(&self, corners: [u32; 3]) -> bool {
         let [edge_u, edge_v] = self.edges(corners);
         self.positions[corners[0] as usize].is_finite() && edge_u.cross(edge_v).length_squared().is_finite()
@@ -170,12 +175,7 @@ impl<'a> PlacedMesh<'a> {
         if !indices.clone().all(|index| sets().all(|set| set.is_finite(mesh.triangles[index]))) {
             return None;
         }
-        let has_area = |&index: &usize| {
-            sets().any(|set| {
-                let [edge_u, edge_v] = set.edges(mesh.triangles[index]);
-                has_area(edge_u, edge_v)
-            })
-        };
+        let has_area = |&index: &usize| sets().any(|set| set.has_area(mesh.triangles[index]));
         if !indices.clone().all(|index| has_area(&index)) {
             placed.kept = Some(indices.filter(has_area).map(|index| index as u32).collect());
         }
@@ -207,7 +207,14 @@ impl<'a> PlacedMesh<'a> {
         let origin = self.first.positions[vertices[0]];
         let mut triangle = primitive(PrimitiveShape::Triangle, &self.common, origin, edge_u, edge_v, flip);
         if !self.first.normals.is_empty() {
-            set_normals(&mut triangle, vertices.map(|vertex| self.first.normals[vertex]));
+            // Where the triangle has no area at first, a later set decides about its front.
+            let whole = [&self.first].into_iter().chain(&self.later).find(|set| set.has_area(corners));
+            let deciding = whole.unwrap_or(&self.first);
+            let of = |set: &Vertices| vertices.map(|vertex| set.normals[vertex]);
+            if let Some(flip) = flip_by_normals(of(deciding), deciding.edges(corners)) {
+                triangle.flip_normal = flip;
+            }
+            triangle.normals = Some(filled(of(&self.first), edge_u, edge_v, triangle.flip_normal));
         }
         if !self.mesh.uvs.is_empty() {
             triangle.uvs = vertices.map(|vertex| self.uv(vertex));
@@ -226,7 +233,7 @@ impl<'a> PlacedMesh<'a> {
             let [edge_u, edge_v] = set.edges(corners);
             let of_corners = || corners.map(|vertex| set.normals[vertex as usize]);
             let normals = (!set.normals.is_empty()).then(|| filled(of_corners(), edge_u, edge_v, flip_normal));
-            DeformedTriangle { origin: set.positions[corners[0] as usize], edge_u, edge_v, normals }
+            DeformedTriangle { vertices: corners.map(|vertex| set.positions[vertex as usize]), normals }
         })
     }
 
@@ -236,15 +243,11 @@ impl<'a> PlacedMesh<'a> {
     }
 }
 
-/// Sets the shading normals and turns the geometric normal to their side. Shading normals decide which side is the
-/// front, because Mitsuba uses them to tell whether light is emitted or reflected.
-fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
-    let Primitive { edge_u, edge_v, .. } = *triangle;
+/// Whether shading normals turn the geometric normal of a triangle to their side; `None` where they are zero. They decide which side is
+/// the front, because Mitsuba uses them to tell whether light is emitted or reflected.
+fn flip_by_normals(normals: [Vec3; 3], [edge_u, edge_v]: [Vec3; 2]) -> Option<bool> {
     let sum: Vec3 = normals.iter().sum();
-    if sum != Vec3::ZERO {
-        triangle.flip_normal = geometric_normal(edge_u, edge_v).dot(sum) < 0.0;
-    }
-    triangle.normals = Some(filled(normals, edge_u, edge_v, triangle.flip_normal));
+    (sum != Vec3::ZERO).then(|| geometric_normal(edge_u, edge_v).dot(sum) < 0.0)
 }
 
 /// Normals of a triangle's corners; the geometric one in place of those that are zero.

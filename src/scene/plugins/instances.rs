@@ -62,7 +62,9 @@ pub(super) fn arrange(
 
     // Numbers of primitives and instances of each group. Spheres are copied in any case, and so are instances that have no inverse.
     let count = |shape: &Shape| if is_sphere(shape) { 0 } else { primitive_count(shape, meshes) as u64 };
-    let primitives: Vec<u64> = groups.iter().map(|shapes| shapes.iter().map(count).sum()).collect();
+    // A key of a triangle that deforms takes half as much as a triangle.
+    let keyed = |shape: &Shape| count(shape) * (2 + set_count(shape, meshes)) / 2;
+    let primitives: Vec<u64> = groups.iter().map(|shapes| shapes.iter().map(keyed).sum()).collect();
     let mut instances: Vec<u64> = vec![0; groups.len()];
     for (index, item) in items.iter().enumerate() {
         if let Item::Instance(placed) = item
@@ -240,9 +242,17 @@ fn shared_meshes(
     order.into_iter().filter_map(|key| users.remove(&key)).filter(|indices| indices.len() > 1).collect()
 }
 
-/// Whether the file gives a normal for each vertex.
+/// Number of sets of vertices of a mesh that changes its shape, else 0.
+fn set_count(shape: &Shape, meshes: &HashMap<MeshFile, Arc<Mesh>>) -> u64 {
+    let Geometry::Mesh(file, _) = &shape.geometry else { return 0 };
+    let later = meshes.get(file).map_or(0, |mesh| mesh.later_sets().len());
+    if later > 0 { later as u64 + 1 } else { 0 }
+}
+
+/// Whether the file gives a normal for each vertex, at all times.
 fn has_normals(mesh: &Mesh) -> bool {
-    !mesh.normals.is_empty() && mesh.normals.iter().all(|normal| *normal != Vec3::ZERO)
+    let are_given = |normals: &[Vec3]| !normals.is_empty() && normals.iter().all(|normal| *normal != Vec3::ZERO);
+    are_given(&mesh.normals) && mesh.later_sets().iter().all(|set| are_given(set.normals))
 }
 
 /// Whether an instance of the mesh shows what the shape is. An emitter is a light of its own. Where the file gives no normals, an

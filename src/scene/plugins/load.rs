@@ -451,7 +451,7 @@ impl<'a> Builder<'a> {
         let (mut textures, requests) = self.textures.finish();
         let shapes = shown_shapes(&self.items, &self.groups);
         let attributes = vertex_colors::attributes(&textures);
-        let of_sets: Vec<String> = (1..=MOST_INTERVALS + 1)
+        let of_sets: Vec<String> = (1..=MOST_INTERVALS)
             .flat_map(|at| ["position", "normal"].map(|kind| mesh::set_attribute(kind, at)))
             .collect();
         let attributes: Vec<&str> = attributes.iter().chain(&of_sets).map(String::as_str).collect();

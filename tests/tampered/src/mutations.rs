@@ -683,8 +683,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "a deforming mesh goes back between its keys",
         &[Patch {
             file: DEFORMING,
-            text: "load_key(first + KEY_TEXELS), place",
-            mutated: "load_key(first + KEY_TEXELS), MUTATED ? float(at + 1u) - place + float(at) : place",
+            text: "load_key(first + KEY_TEXELS), way);",
+            mutated: "load_key(first + KEY_TEXELS), MUTATED ? 1.0 - way : way);",
         }],
     ),
     mutation(
