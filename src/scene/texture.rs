@@ -87,11 +87,11 @@ pub enum Pattern {
 pub enum TexelFilter {
     /// Linear interpolation between four texels' centers (Mitsuba's default).
     Bilinear,
+    /// Nearest texel.
+    Nearest,
     /// Linear interpolation between the encoded colors of four texels, each of which counts by its alpha. The mix is decoded by the
     /// sRGB curve, as in Cycles. Where colors are not bytes that the curve encodes, it is [`TexelFilter::Bilinear`].
     Encoded,
-    /// Nearest texel.
-    Nearest,
 }
 
 /// Continuations beyond the image: Mitsuba's `wrap_mode`.
