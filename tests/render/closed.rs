@@ -150,9 +150,9 @@ fn that_deform() -> Vec<(&'static str, Scene)> {
     let farther = |p: Vec3| turned(p * vec3(0.6, 1.9, 1.1)) + FAR + vec3(0.2, 0.1, -0.1);
     vec![
         ("a box that swells", deforming(1, [turned, swollen], vec3(0.1, 0.1, 0.1))),
-        ("a tessellated box that swells", deforming(32, [turned, swollen], vec3(0.1, 0.1, 0.1))),
+        ("a tessellated box that swells", deforming(8, [turned, swollen], vec3(0.1, 0.1, 0.1))),
         ("a box that swells far from the origin", deforming(4, [far, farther], FAR)),
-        ("a tessellated box that swells far from the origin", deforming(32, [far, farther], FAR)),
+        ("a tessellated box that swells far from the origin", deforming(8, [far, farther], FAR)),
     ]
 }
 
@@ -167,7 +167,8 @@ fn shoot(device: &Device, scene: &Scene, rays: u64) -> (u64, u64) {
     let settings = Settings {
         max_depth: DEPTH,
         rr_depth: u32::MAX,
-        samples_per_dispatch: 2,
+        // The boxes of what deforms overlap, so that rays take more turns, which the driver bounds.
+        samples_per_dispatch: if scene.deformations.is_empty() { 2 } else { 1 },
         ..settings(scene, [SIDE, SIDE], Sampler::Bsdf, 17)
     };
     let paths = rays.div_ceil(DEPTH.into());

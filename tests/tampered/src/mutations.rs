@@ -526,11 +526,18 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     mutation(
         "holes that shadow rays do not pass",
-        &[Patch {
-            file: PASSAGE,
-            text: "} else if (!may_pass(attribute_material(hit.primitive))) {",
-            mutated: "} else if (MUTATED || !may_pass(attribute_material(hit.primitive))) {",
-        }],
+        &[
+            Patch {
+                file: PASSAGE,
+                text: "} else if (!may_pass(attribute_material(hit.primitive))) {",
+                mutated: "} else if (MUTATED || !may_pass(attribute_material(hit.primitive))) {",
+            },
+            Patch {
+                file: PASSAGE,
+                text: "if (may_pass(surface.material)) {",
+                mutated: "if (!MUTATED && may_pass(surface.material)) {",
+            },
+        ],
     ),
     mutation(
         "light that passes each surface twice",
