@@ -4,16 +4,16 @@ use glam::{DMat4, Vec3, vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::scene::deformation::{Deformation, DeformedTriangle};
 use lodestar::scene::{Camera, Primitive, Projection, Scene};
-use lodestar::settings::{Execution, SamplePattern, Sampler, Settings};
+use lodestar::settings::{SamplePattern, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::instances::dented_ball;
 use support::mutated::DEFORMING_FAULTS;
 use support::scenes::{settings, steady};
-use support::tier;
 
-use crate::determinism::bits;
 use crate::device::Device;
-use crate::motion::{SPP, at, averaged, deviation, motion, moved, row};
+use crate::motion::{
+    SPP, assert_mean_of_still_pictures, assert_same_bits_in_all_ways, at, deviation, motion, moved, row,
+};
 
 /// A lamp of the radiance 1 that is 0.5 wide, as two triangles with their centers at these places, one after another.
 fn lamp(centers: &[f32]) -> Scene {
@@ -87,44 +87,15 @@ fn busy() -> Scene {
     scene
 }
 
-/// A scene that deforms is the mean of still scenes, with and without a guide. Planted faults are found.
+/// A scene that deforms is the mean of still scenes. Planted faults are found.
 #[test]
 fn deforming_meshes_are_the_mean_of_still_pictures() {
-    let device = Device::new();
-    let scene = busy();
-    let size = [24, 24];
-    let (times, sides): (_, &[usize]) = if tier::is_full() { (64, &[1, 8, WHOLE]) } else { (16, &[8, WHOLE]) };
-    let reference = averaged(&device, &scene, size, times, 4096 / times);
-    let agrees = |device: &Device, sampler, seed, nee| {
-        let settings = Settings { nee, ..settings(&scene, size, sampler, seed) };
-        let found = Estimate::of(&device.render(&scene, &steady(settings), 1024));
-        let comparison = Comparison::new(&reference, &found, sides);
-        println!("{sampler:?}, {}: {comparison:?}", device.mutation());
-        comparison.agrees()
-    };
-    assert!(agrees(&device, Sampler::Bsdf, 2, true));
-    assert!(agrees(&device, Sampler::Bsdf, 3, false));
-    assert!(agrees(&device, Sampler::Product, 4, true));
-    for fault in DEFORMING_FAULTS.into_iter().chain(["a lamp sampled at another time"]) {
-        assert!(!agrees(&device.mutated(fault), Sampler::Bsdf, 2, true), "{fault}");
-    }
+    assert_mean_of_still_pictures(&busy(), DEFORMING_FAULTS.into_iter().chain(["a lamp sampled at another time"]));
 }
 
-/// Waves, slices of time and storage buffers change no bit.
 #[test]
 fn the_way_of_tracing_changes_no_bit_of_deforming_meshes() {
-    let device = Device::validated();
-    let scene = busy();
-    let rendered = |change: &dyn Fn(&mut Settings)| {
-        let mut settings = settings(&scene, [40, 30], Sampler::Product, 11);
-        settings.nee = true;
-        change(&mut settings);
-        bits(&device.render(&scene, &steady(settings), 12))
-    };
-    let first = rendered(&|_| ());
-    assert!(first == rendered(&|s| s.execution = Execution::Wavefront), "waves");
-    assert!(first == rendered(&|s| s.slice_milliseconds = Some(1.0)), "slices");
-    assert!(first == rendered(&|s| s.storage_reads = true), "storage buffers");
+    assert_same_bits_in_all_ways(&busy());
 }
 
 /// A mesh whose sets of vertices are equal is a mesh that stands still.

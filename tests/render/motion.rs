@@ -165,7 +165,7 @@ fn busy() -> Scene {
 }
 
 /// Mean of pictures at so many times, in the middles of equal parts of the shutter's time.
-pub fn averaged(device: &Device, scene: &Scene, size: [u32; 2], times: u32, spp: u32) -> Estimate {
+fn averaged(device: &Device, scene: &Scene, size: [u32; 2], times: u32, spp: u32) -> Estimate {
     let pixels = (size[0] * size[1]) as usize;
     let (mut mean, mut variance) = (vec![[0.0_f64; 3]; pixels], vec![[0.0_f64; 3]; pixels]);
     for part in 0..times {
@@ -188,18 +188,16 @@ pub fn averaged(device: &Device, scene: &Scene, size: [u32; 2], times: u32, spp:
     Estimate::new(&image(&mean), &image(&variance))
 }
 
-/// A scene that moves is the mean of still scenes, with and without a guide. Planted faults are found. The quick tier takes few times, at
-/// which single pixels at edges differ.
-#[test]
-fn motion_is_the_mean_of_still_pictures() {
+/// Checks that a scene that moves is the mean of still scenes, with and without a guide, and that faults are found. The quick tier takes
+/// few times, at which single pixels at edges differ.
+pub fn assert_mean_of_still_pictures(scene: &Scene, faults: impl IntoIterator<Item = &'static str>) {
     let device = Device::new();
-    let scene = busy();
     let size = [24, 24];
     let (times, sides): (_, &[usize]) = if tier::is_full() { (64, &[1, 8, WHOLE]) } else { (16, &[8, WHOLE]) };
-    let reference = averaged(&device, &scene, size, times, 4096 / times);
+    let reference = averaged(&device, scene, size, times, 4096 / times);
     let agrees = |device: &Device, sampler, seed, nee| {
-        let settings = Settings { nee, ..settings(&scene, size, sampler, seed) };
-        let found = Estimate::of(&device.render(&scene, &steady(settings), 1024));
+        let settings = Settings { nee, ..settings(scene, size, sampler, seed) };
+        let found = Estimate::of(&device.render(scene, &steady(settings), 1024));
         let comparison = Comparison::new(&reference, &found, sides);
         println!("{sampler:?}, {}: {comparison:?}", device.mutation());
         comparison.agrees()
@@ -207,29 +205,37 @@ fn motion_is_the_mean_of_still_pictures() {
     assert!(agrees(&device, Sampler::Bsdf, 2, true));
     assert!(agrees(&device, Sampler::Bsdf, 3, false));
     assert!(agrees(&device, Sampler::Product, 4, true));
-    // Things stand too far from each other here for wrong lengths of rays to change what is nearest. `render instances` finds that fault.
-    let of_normals = INSTANCE_FAULTS.into_iter().filter(|fault| fault.contains("normals"));
-    for fault in MOTION_FAULTS.into_iter().chain(of_normals) {
+    for fault in faults {
         assert!(!agrees(&device.mutated(fault), Sampler::Bsdf, 2, true), "{fault}");
     }
 }
 
-/// Waves, slices of time and storage buffers change no bit.
 #[test]
-fn the_way_of_tracing_changes_no_bit_of_motion() {
+fn motion_is_the_mean_of_still_pictures() {
+    // Things stand too far from each other here for wrong lengths of rays to change what is nearest. `render instances` finds that fault.
+    let of_normals = INSTANCE_FAULTS.into_iter().filter(|fault| fault.contains("normals"));
+    assert_mean_of_still_pictures(&busy(), MOTION_FAULTS.into_iter().chain(of_normals));
+}
+
+/// Checks that waves, slices of time and storage buffers change no bit.
+pub fn assert_same_bits_in_all_ways(scene: &Scene) {
     let device = Device::validated();
-    let scene = busy();
     let rendered = |change: &dyn Fn(&mut Settings)| {
-        let mut settings = settings(&scene, [40, 30], Sampler::Product, 11);
+        let mut settings = settings(scene, [40, 30], Sampler::Product, 11);
         settings.nee = true;
         change(&mut settings);
-        bits(&device.render(&scene, &steady(settings), 12))
+        bits(&device.render(scene, &steady(settings), 12))
     };
     let first = rendered(&|_| ());
     assert!(first == rendered(&|s| s.execution = Execution::Wavefront), "waves");
     assert!(first == rendered(&|s| s.slice_milliseconds = Some(1.0)), "slices");
     assert!(first == rendered(&|s| s.storage_reads = true), "storage buffers");
     assert!(first != rendered(&|s| s.seed = 12), "another seed");
+}
+
+#[test]
+fn the_way_of_tracing_changes_no_bit_of_motion() {
+    assert_same_bits_in_all_ways(&busy());
 }
 
 /// Lamps that instances show light a scene as lamps of the scene itself do, with all ways to draw lights.
