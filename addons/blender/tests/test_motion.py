@@ -180,6 +180,17 @@ def test_what_an_object_instances_has_its_own_shape(tmp_path: Path) -> None:
     assert sorted(has_sets) == [False, False, True], "the ground, the instanced sheet and the sheet"
 
 
+def test_strands_of_what_moves_as_a_whole_are_written_once(tmp_path: Path) -> None:
+    """A ground with strands far from the origin, which turns and does not bend."""
+    scene = base()
+    ground = scenes.plane(scene, "mat", 2, scenes.diffuse("red", (0.7, 0.2, 0.2)), location=(30, 20, 1), rotation=(0.5, 0, 0))
+    hair_scenes.furry(ground, 40, 0.6)
+    drive(ground, "rotation_euler", 2, "0.7 * (frame - 5)")
+    found, root = exported(tmp_path)
+    assert found.report.warnings == [] and len(list(root.iter("animation"))) > 0
+    assert not any(b"position1_x" in path.read_bytes() for path in tmp_path.glob("mesh-*.ply"))
+
+
 def warnings_of(change: Callable[[Any], None], folder: Path) -> list[str]:
     scene = base()
     change(scene)
