@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{DMat3, DMat4, Mat4, Vec2, Vec3};
 
-use super::deformation::{Deformation, DeformedTriangle, MOST_INTERVALS};
+use super::deformation::{Deformation, DeformedTriangle, MOST_INTERVALS, split_off};
 use super::motion::is_even;
 use super::{
     AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, Group, Instance, IntegratorDescription, LoadOptions, Material,
@@ -176,9 +176,7 @@ impl Scene {
     /// # Panics
     /// Where there are fewer primitives.
     pub fn group_from(&mut self, first: usize) -> u32 {
-        let at = self.deformations.partition_point(|deformation| deformation.first < first as u32);
-        let mut deformations = self.deformations.split_off(at);
-        deformations.iter_mut().for_each(|deformation| deformation.first -= first as u32);
+        let deformations = split_off(&mut self.deformations, first);
         self.groups.push(Group { primitives: self.primitives.split_off(first), deformations });
         self.groups.len() as u32 - 1
     }

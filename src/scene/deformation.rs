@@ -60,8 +60,17 @@ impl Deformation {
     }
 }
 
-/// The deformation of the primitive with this index, if its vertices move. Deformations lie in the order of their primitives.
-pub(crate) fn deformation_of(deformations: &[Deformation], index: u32) -> Option<&Deformation> {
+/// Place in the list of the deformation of the primitive with this index, if its vertices move. Deformations lie in the order of their
+/// primitives.
+pub(crate) fn deformation_of(deformations: &[Deformation], index: u32) -> Option<usize> {
     let after = deformations.partition_point(|deformation| deformation.first <= index);
-    deformations[..after].last().filter(|deformation| deformation.triangles().contains(&index))
+    after.checked_sub(1).filter(|&at| deformations[at].triangles().contains(&index))
+}
+
+/// Takes the deformations of the primitives from the index `first` on, as those of a group that these become.
+pub(in crate::scene) fn split_off(deformations: &mut Vec<Deformation>, first: usize) -> Vec<Deformation> {
+    let at = deformations.partition_point(|deformation| (deformation.first as usize) < first);
+    let mut of_group = deformations.split_off(at);
+    of_group.iter_mut().for_each(|deformation| deformation.first -= first as u32);
+    of_group
 }

@@ -145,7 +145,7 @@ class Motions:
             message = "its strands become more or fewer while the shutter is open, which is not supported; they move with the object"
             self._report.warn(f'object "{name}"', message)
             return False
-        moves = any(_differ(a.points[:, :3], b.points[:, :3]) for each in sets[1:] for a, b in zip(each, first))
+        moves = any(_differ(a, b) for each in sets[1:] for a, b in zip(each, first))
         if moves and any(group.is_linear for group in first):
             message = "strands of straight pieces that change their shape while the shutter is open are not supported; they move with the object"
             self._report.warn(f'object "{name}"', message)
@@ -260,9 +260,9 @@ class _Shape(NamedTuple):
     numbers: np.ndarray
 
 
-def _differ(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether points are in other places. Blender gives those of particles in the world, so that they are rounded where an object moves."""
-    return bool(np.abs(a - b).max(initial=0.0) > 1e-4 * np.abs(b).max(initial=0.0))
+def _differ(a: Any, b: Any) -> bool:
+    """Whether points of two groups of strands are in other places, and not only rounded in another way."""
+    return bool(np.abs(a.points[:, :3] - b.points[:, :3]).max(initial=0.0) > a.rounding + b.rounding)
 
 
 def _is_same(a: Any, b: Any) -> bool:

@@ -32,6 +32,8 @@ class Strands:
     source: Any
     # The points at evenly spaced times after the first, where they move while the shutter is open.
     later: list[np.ndarray] = field(default_factory=list)
+    # Largest rounding of the places.
+    rounding: float = 0.0
     # Cached places along the strands, from 0 to 1.
     _intercepts: Optional[np.ndarray] = field(default=None, repr=False)
 
@@ -92,7 +94,7 @@ def of_particles(owner: Any, slots: int, is_render: bool, is_linear: bool, kept:
             points, counts, left = made
             roots = Roots(owner, system, modifier, first + left)
             slot = min(max(settings.material - 1, 0), slots - 1)
-            yield Strands(points, counts, slot, is_linear, number + left, roots)
+            yield Strands(points, counts, slot, is_linear, number + left, roots, rounding=_rounding(owner, points[:, :3]))
         number += count
 
 
@@ -131,6 +133,14 @@ def _places(system: Any, owner: Any, first: int, count: int, steps: int) -> np.n
         world[is_beyond, step] = world[is_beyond, step - 1]
     inverse = np.array(owner.matrix_world.inverted_safe(), np.float64)
     return world @ inverse[:3, :3].T + inverse[:3, 3]
+
+
+def _rounding(owner: Any, places: np.ndarray) -> float:
+    """Largest rounding of places, in the object's space, that Blender gives in the world: eight of single precision."""
+    matrix = np.array(owner.matrix_world, np.float64)
+    farthest = np.abs(matrix[:3, 3]) + np.abs(matrix[:3, :3]) @ np.abs(places).max(axis=0, initial=0.0)
+    inverse = np.array(owner.matrix_world.inverted_safe(), np.float64)[:3, :3]
+    return float((np.abs(inverse) @ (8.0 * 2.0**-24 * farthest)).max())
 
 
 def _radii(settings: Any, places: np.ndarray) -> np.ndarray:

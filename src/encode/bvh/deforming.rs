@@ -6,7 +6,7 @@ use super::normals::octahedral_encode;
 use super::turn::Turn;
 use crate::generated::constants;
 use crate::generated::layout::{DeformingRecord, KeyRecord, PrimitiveRecord, TEXEL_BYTES};
-use crate::scene::deformation::{Deformation, DeformedTriangle};
+use crate::scene::deformation::{Deformation, DeformedTriangle, deformation_of};
 
 /// Texels of a key, and of a primitive.
 pub(super) const KEY_TEXELS: usize = size_of::<KeyRecord>() / TEXEL_BYTES;
@@ -35,10 +35,7 @@ impl<'a> Keys<'a> {
 
     /// Marks the record of the primitive with this index, if it deforms. Its keys are counted from the first one of all.
     pub fn mark(&self, record: &mut PrimitiveRecord, index: u32) {
-        let after = self.deformations.partition_point(|deformation| deformation.first <= index);
-        let Some(at) = after.checked_sub(1).filter(|&at| self.deformations[at].triangles().contains(&index)) else {
-            return;
-        };
+        let Some(at) = deformation_of(self.deformations, index) else { return };
         let deformation = &self.deformations[at];
         let key = self.before[at] + (index - deformation.first) as usize * deformation.keys_of_each();
         record.flags = record.flags & !constants::PRIMITIVE_LARGE | constants::PRIMITIVE_DEFORMING;

@@ -27,7 +27,7 @@ use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::{Textures, number_images};
 use super::triangle_budget::{Promise, TriangleBudget};
-use super::{curves, facing, fit, integrator, sensor, texture_images, vertex_colors};
+use super::{curves, facing, fit, integrator, primitives, sensor, texture_images, vertex_colors};
 use crate::scene::deformation::MOST_INTERVALS;
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
@@ -38,8 +38,7 @@ use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::{
-    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Medium,
-    Primitive, Scene,
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Medium, Scene,
 };
 use crate::scene::{texel_pages, whole};
 use crate::{Error, Result};
@@ -516,7 +515,7 @@ impl<'a> Builder<'a> {
         if !is_open && self.first_moving.is_none() {
             self.warnings.extend(warning_of_sets(&shapes, &meshes));
         }
-        let (Group { primitives, deformations }, groups) = flatten_all(&shapes, &groups, &meshes, is_open)?;
+        let (Group { primitives, deformations }, groups) = primitives::of_shapes(&shapes, &groups, &meshes, is_open)?;
         let glows = media.iter().any(|medium| medium.emission != Vec3::ZERO);
         let is_dark = !glows && emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
         if is_dark {
@@ -634,61 +633,6 @@ fn read_meshes(
         }
     }
     (meshes, faults)
-}
-
-/// Makes all primitives, in the order of the shapes: those of the world and those of the groups, whose first shapes are given.
-fn flatten_all(
-    shapes: &[Shape],
-    groups: &[usize],
-    meshes: &HashMap<MeshFile, Arc<Mesh>>,
-    deforms: bool,
-) -> Result<(Group, Vec<Group>)> {
-    check_size(shapes, meshes)?;
-    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes, deforms)).collect();
-    let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
-    let mut ends = Vec::with_capacity(placed.len());
-    let mut count = 0;
-    for shape in &placed {
-        count += shape.len();
-        ends.push(count);
-    }
-    let primitive = |index: usize| {
-        let shape = ends.partition_point(|&end| end <= index);
-        placed[shape].primitive(index + placed[shape].len() - ends[shape])
-    };
-    let mut primitives: Vec<Primitive> = (0..count).into_par_iter().map(primitive).collect();
-    let firsts = ends.par_iter().zip(&placed).map(|(end, shape)| (end - shape.len(), shape));
-    let mut deformations: Vec<_> = firsts.filter_map(|(first, shape)| shape.deformation(first)).collect();
-    let first_primitives = groups.iter().rev().map(|&first| first.checked_sub(1).map_or(0, |before| ends[before]));
-    let group = |first: usize| {
-        let at = deformations.partition_point(|deformation| (deformation.first as usize) < first);
-        let mut deformations = deformations.split_off(at);
-        deformations.iter_mut().for_each(|deformation| deformation.first -= first as u32);
-        Group { primitives: primitives.split_off(first), deformations }
-    };
-    let mut groups: Vec<Group> = first_primitives.map(group).collect();
-    groups.reverse();
-    Ok((Group { primitives, deformations }, groups))
-}
-
-/// Refuses scenes larger than any device could hold, before memory is allocated.
-fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result<()> {
-    let count = |shape: &Shape| match &shape.geometry {
-        Geometry::Mesh(..) | Geometry::Unit(_) => shape::primitive_count(shape, meshes),
-        _ => 0,
-    };
-    let mut triangles = 0;
-    for shape in shapes {
-        triangles += count(shape);
-        if triangles > MAX_TRIANGLES {
-            let all: usize = shapes.iter().map(count).sum();
-            let message = format!(
-                "with this shape the scene has {triangles} triangles, and {all} with all shapes; no more than {MAX_TRIANGLES} fit"
-            );
-            return Err(shape.origin.error(message));
-        }
-    }
-    Ok(())
 }
 
 /// Name of the scene: the file's stem, or its folder's name where the stem is `scene`.

@@ -19,6 +19,7 @@ mod materials;
 mod media;
 pub(in crate::scene) mod names;
 mod parameter;
+mod primitives;
 mod programs;
 mod projector;
 mod properties;
