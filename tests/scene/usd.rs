@@ -277,6 +277,28 @@ fn damaged_files_are_refused() {
     }
 }
 
+/// The library that reads USD does not end on names that close a brace before they open one.
+#[test]
+fn names_with_odd_braces_are_refused() {
+    let text = std::fs::read_to_string(data("room.usda")).unwrap();
+    let folder = Folder::new(&[]);
+    for (name, other) in [
+        ("Looks/Checked/Surface", "Looks/C}ecked/Surface"),
+        ("def Scope \"Looks\"", "def Scope \"L}oks\""),
+        ("def Scope \"Looks\"", "def \"L}oks\""),
+        ("defaultPrim = \"World\"", "defaultPrim = \"Wor}d\""),
+    ] {
+        assert!(text.contains(name), "{name}");
+        folder.write("room.usda", text.replace(name, other).as_bytes());
+        let error = load(&folder.path("room.usda"), &LoadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("closes a brace that is not open"), "{other}: {error}");
+    }
+    // Other texts may have them.
+    let text = text.replace("def Scope \"Looks\"", "def Scope \"Looks\" (doc = \"}\")");
+    folder.write("room.usda", text.as_bytes());
+    load(&folder.path("room.usda"), &LoadOptions::default()).unwrap();
+}
+
 #[test]
 fn fuzz_text() {
     let text = std::fs::read(data("room.usda")).unwrap();

@@ -3,6 +3,8 @@
 
 use std::collections::HashMap;
 
+use super::names::check_name;
+
 /// Most elements of an array.
 const MOST_ELEMENTS: u64 = 1 << 28;
 /// Most bytes that the values of a layer become for each byte of its file, and beside that.
@@ -26,8 +28,9 @@ struct Layer<'a> {
     left: u64,
     /// Values that may still be visited.
     visits: u64,
-    /// Numbers of tokens, strings and paths.
-    tokens: usize,
+    /// For each token, whether it cannot be a name.
+    tokens: Vec<bool>,
+    /// Numbers of strings and paths.
     strings: usize,
     paths: usize,
 }
@@ -40,11 +43,10 @@ pub(super) fn check(bytes: &[u8]) -> Checked<()> {
     }
     let length = bytes.len() as u64;
     let left = MOST_DECODED.min(length.saturating_mul(MOST_PER_BYTE) + MOST_BESIDE);
-    let mut layer = Layer { bytes, minor: *minor, left, visits: 4 * length + 1024, tokens: 0, strings: 0, paths: 0 };
+    let mut layer = Layer { bytes, minor: *minor, left, visits: 4 * length + 1024, tokens: Vec::new(), strings: 0, paths: 0 };
     let sections = layer.sections()?;
     let at = |name: &str| sections.get(name).copied();
     let tokens = at("TOKENS").map_or(Ok(Vec::new()), |at| layer.tokens(at))?;
-    layer.tokens = tokens.len();
     if let Some(at) = at("STRINGS") {
         let (count, at) = layer.count(at, 4)?;
         layer.strings = count as usize;
@@ -100,6 +102,14 @@ impl Layer<'_> {
 
     fn within(&self, index: u64, count: usize) -> Checked<()> {
         if index < count as u64 { Ok(()) } else { Err(damaged()) }
+    }
+
+    /// Refuses a token that is no name.
+    fn name(&self, token: usize) -> Checked<()> {
+        match self.tokens.get(token) {
+            Some(false) => Ok(()),
+            _ => Err(damaged()),
+        }
     }
 
     /// A number of elements of that size, and the place where they begin. They lie within the file.
@@ -174,7 +184,9 @@ impl Layer<'_> {
         }
         let text = self.block(&mut (at + 16), length)?;
         let Some((0, text)) = text.split_last() else { return Err(damaged()) };
-        let lengths: Vec<usize> = text.split(|&byte| byte == 0).map(<[u8]>::len).collect();
+        let tokens = text.split(|&byte| byte == 0);
+        let lengths: Vec<usize> = tokens.clone().map(<[u8]>::len).collect();
+        self.tokens = tokens.map(|token| check_name(token).is_err()).collect();
         if lengths.len() as u64 == count { Ok(lengths) } else { Err(damaged()) }
     }
 
@@ -214,6 +226,7 @@ impl Layer<'_> {
                 self.within(indices[index].into(), all as usize)?;
                 let name = (names[index] as i32).unsigned_abs() as usize;
                 let own = length + 1 + tokens.get(name).ok_or_else(damaged)?;
+                self.name(name)?;
                 bytes = bytes.saturating_add(own);
                 if bytes > MOST_PATHS || depth > 2 * MAX_DEPTH {
                     return Err("its prims are nested too deep".to_owned());
@@ -249,8 +262,9 @@ impl Layer<'_> {
         }
         if !is_array && matches!(kind, 10 | 11 | 12 | 53 | 57) {
             let index = if is_inlined { at & 0xffff_ffff } else { self.word(at)?.into() };
-            let bound = if matches!(kind, 11 | 53) || (is_inlined && kind != 10) { self.tokens } else { self.strings };
-            return self.within(index, bound);
+            let is_token = matches!(kind, 11 | 53) || (is_inlined && kind != 10);
+            self.within(index, if is_token { self.tokens.len() } else { self.strings })?;
+            return if kind == 11 { self.name(index as usize) } else { Ok(()) };
         }
         // The parser takes no notice of the mark of a value in place here.
         if is_inlined && !is_array && kind != 55 {
@@ -261,11 +275,16 @@ impl Layer<'_> {
             let (count, at) = self.count(at, 4)?;
             let bound = match kind {
                 40 => self.paths,
-                41 => self.tokens,
+                41 => self.tokens.len(),
                 49 => usize::MAX,
                 _ => self.strings,
             };
-            return self.indices(at, count, bound);
+            self.indices(at, count, bound)?;
+            // Names of the prims and properties below a prim.
+            return match kind {
+                41 => (0..count).try_for_each(|index| self.name(self.word(at + 4 * index)? as usize)),
+                _ => Ok(()),
+            };
         }
         if is_array || kind == 48 {
             return self.array(kind, at, is_compressed);
@@ -277,7 +296,7 @@ impl Layer<'_> {
                 let (count, begin) = layer.count(*at, size)?;
                 *at = begin + count * size;
                 let bound = match kind {
-                    32 => layer.tokens,
+                    32 => layer.tokens.len(),
                     33 | 54 => layer.strings,
                     34 => layer.paths,
                     _ => return layer.take(count, 64),

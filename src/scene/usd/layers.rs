@@ -1,6 +1,7 @@
 //! Checks of layers before they are parsed.
 
 use super::crates;
+use super::names::check_name;
 
 /// Deepest nesting of brackets in a layer of text, which the parser follows by recursion.
 const MAX_DEPTH: usize = 512;
@@ -16,12 +17,15 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Refuses text whose brackets are nested too deep, and paths with characters that no path has. The parser does not end on some of them.
+/// Refuses text whose brackets are nested too deep, and paths and names with characters that they never have. The parser does not end on
+/// some of them.
 fn check_text(text: &[u8]) -> Result<(), String> {
     let (mut depth, mut at) = (0_usize, 0);
+    // Whether the next string is the name of a prim.
+    let mut is_name = false;
     while let Some(&byte) = text.get(at) {
         let rest = &text[at..];
-        at += match byte {
+        let length = match byte {
             b'#' => rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len()),
             b'/' if rest.starts_with(b"/*") => through(rest, 2, b"*/"),
             b'"' if rest.starts_with(b"\"\"\"") => through(rest, 3, b"\"\"\""),
@@ -33,7 +37,10 @@ fn check_text(text: &[u8]) -> Result<(), String> {
                 let is_strange =
                     |byte: &u8| byte.is_ascii_whitespace() || byte.is_ascii_control() || b"<\"@".contains(byte);
                 match rest[1..].iter().position(|byte| *byte == b'>' || is_strange(byte)) {
-                    Some(length) if rest[1 + length] == b'>' => length + 2,
+                    Some(length) if rest[1 + length] == b'>' => {
+                        check_name(&rest[1..=length])?;
+                        length + 2
+                    }
                     _ => return Err("a path between < and > in it is not closed".to_owned()),
                 }
             }
@@ -45,8 +52,19 @@ fn check_text(text: &[u8]) -> Result<(), String> {
                 depth = depth.saturating_sub(1);
                 1
             }
+            byte if byte.is_ascii_alphanumeric() || byte == b'_' => {
+                let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+                let length = rest.iter().position(|byte| !is_word(byte)).unwrap_or(rest.len());
+                is_name |= [&b"def"[..], b"over", b"class", b"defaultPrim"].contains(&&rest[..length]);
+                length
+            }
             _ => 1,
         };
+        if matches!(byte, b'"' | b'\'') && std::mem::take(&mut is_name) {
+            check_name(&rest[..length])?;
+        }
+        is_name &= !b"{}[]()<@;".contains(&byte);
+        at += length;
         if depth > MAX_DEPTH {
             return Err(format!("its brackets are nested more than {MAX_DEPTH} deep"));
         }

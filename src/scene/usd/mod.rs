@@ -15,6 +15,7 @@ mod layers;
 mod lights;
 mod materials;
 mod meshes;
+mod names;
 mod primvars;
 mod solids;
 mod surfaces;
