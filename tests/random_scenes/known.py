@@ -43,6 +43,12 @@ def turned_sphere_lamp(root):
     return any(list(lamp.iter("rotate")) and list(next(lamp.iter("emitter")).iter("texture")) for lamp in lamps)
 
 
+def textured_cube_lamp(root):
+    """A textured cube lamp: its six faces share the texture, and emitter sampling finds points of one of them only."""
+    lamps = [shape for shape in root.iter("shape") if shape.get("type") == "cube"]
+    return any(list(emitter.iter("texture")) for lamp in lamps for emitter in lamp.iter("emitter"))
+
+
 def hidden_lamp_lifts_clip(root):
     """A hidden lamp lifts `far_clip` for what is behind it."""
     hides = any(_value(integrator, "hide_emitters") == "true" for integrator in root.iter("integrator"))
@@ -55,7 +61,7 @@ def leaking_cube(root):
     return any(lamp.get("type") == "cube" and _value(lamp, "flip_normals") == "true" for lamp in lamps)
 
 
-KNOWN = [mirrored_bump, relief_without_uv, blended_conductors, turned_sphere_lamp, hidden_lamp_lifts_clip, leaking_cube]
+KNOWN = [mirrored_bump, relief_without_uv, blended_conductors, turned_sphere_lamp, textured_cube_lamp, hidden_lamp_lifts_clip, leaking_cube]
 
 
 def cases(root):
