@@ -51,6 +51,8 @@ pub mod image;
 #[doc(hidden)]
 pub mod inputs;
 #[doc(hidden)]
+pub mod layers;
+#[doc(hidden)]
 pub mod math;
 #[doc(hidden)]
 pub mod quoted;

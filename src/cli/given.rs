@@ -32,6 +32,10 @@ pub struct OfMap;
 #[derive(Debug)]
 pub struct OfView;
 
+/// Options of `lodestar layers`: those that decide the scene and the film, and the device.
+#[derive(Debug)]
+pub struct OfLayers;
+
 /// Options that choose a guide.
 #[derive(Debug)]
 pub struct OfGuide;
@@ -60,6 +64,13 @@ impl Subset for OfView {
         let others =
             ["width", "height", "scale", "rfilter", "spp", "output", "guide", "oidn", "oidn-device", "slice-ms"];
         OfMap::has(option) || others.contains(&option.name)
+    }
+}
+
+impl Subset for OfLayers {
+    fn has(option: &OptionEntry) -> bool {
+        let others = ["rfilter", "seed", "hide-emitters", "device", "traversal", "overwrite"];
+        option.category == Category::Scene && option.name != "environment" || others.contains(&option.name)
     }
 }
 

@@ -16,6 +16,7 @@ mod info;
 mod inspect;
 mod inspect_text;
 mod interrupt;
+mod layers;
 mod log;
 #[cfg(test)]
 mod manual;
@@ -67,6 +68,7 @@ enum Command {
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
     Denoise(denoise::DenoiseArgs),
+    Layers(Box<layers::LayersArgs>),
     Radiance(Box<radiance::RadianceArgs>),
     View(Box<view::ViewArgs>),
     Reproduce(reproduce::ReproduceArgs),
@@ -98,6 +100,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Denoise(args) => denoise::run(args),
+        Command::Layers(args) => layers::run(*args),
         Command::Radiance(args) => radiance::run(*args),
         Command::View(args) => view::run(*args),
         Command::Reproduce(args) => reproduce::run(&args),

@@ -4,6 +4,7 @@ mod denoised;
 pub mod features;
 pub mod identity;
 pub mod layers;
+pub mod matte;
 pub mod merge;
 pub mod noise;
 mod picture;

@@ -116,6 +116,7 @@ pub fn write_strips(
     }
     let header = FileHeader {
         attributes,
+        foreign: Vec::new(),
         camera_from_world: view.map(|view| view.camera_from_world),
         film_from_world: view.map(|view| view.film_from_world),
     };
@@ -157,7 +158,7 @@ fn columns_of<'a>(
 /// [`crate::Error::Image`] where a layer is missing; all errors of [`exr::read_layers`].
 pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     let (layers, header) = exr::read_layers(path)?;
-    let FileHeader { attributes, camera_from_world, film_from_world } = header;
+    let FileHeader { attributes, camera_from_world, film_from_world, .. } = header;
     let view = camera_from_world.zip(film_from_world);
     let values = |layer, channels| values(&layers, layer, channels).ok_or_else(|| lacking(path, layer));
     let color = |layer| Ok(bytemuck::cast_slice(&values(layer, RGB)?).to_vec());

@@ -48,6 +48,8 @@ const SRGB: Chromaticities = {
 pub struct FileHeader {
     /// Text attributes by their names without the prefix `lodestar.`.
     pub attributes: Attributes,
+    /// Text attributes of other programs' conventions, by their whole names.
+    pub foreign: Attributes,
     /// Matrix from the world to camera space: x to the right, y up, z forward (`worldToCamera`). It multiplies column vectors.
     pub camera_from_world: Option<Mat4>,
     /// Matrix from the world to the picture, in widths and heights of the display window from its top left corner
@@ -162,8 +164,9 @@ fn layer_attributes(offset: [u32; 2], header: &FileHeader) -> Result<LayerAttrib
         world_to_normalized_device: header.film_from_world.map(matrix),
         ..LayerAttributes::default()
     };
-    for (name, value) in &header.attributes {
-        all.other.insert(text(&format!("{ATTRIBUTE_PREFIX}{name}")), AttributeValue::Text(text(value)));
+    let own = header.attributes.iter().map(|(name, value)| (format!("{ATTRIBUTE_PREFIX}{name}"), value));
+    for (name, value) in own.chain(header.foreign.iter().map(|(name, value)| (name.clone(), value))) {
+        all.other.insert(text(&name), AttributeValue::Text(text(value)));
     }
     Ok(all)
 }
@@ -498,6 +501,7 @@ mod tests {
         let (_folder, path) = folder();
         let header = FileHeader {
             attributes: vec![("seed".to_owned(), "7".to_owned())],
+            foreign: Vec::new(),
             camera_from_world: Some(Mat4::from_rotation_x(0.5)),
             film_from_world: Some(Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0))),
         };

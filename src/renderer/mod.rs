@@ -14,12 +14,14 @@
 //! | the film, and what a step's end does with it | `film_store/` |
 //! | another camera or size, with the guide kept | `another_view.rs` |
 //! | another scene, with what has not changed kept | `another_scene.rs` |
+//! | what camera rays meet first, for compositors | `first_hits.rs` |
 //! | state that a later render goes on from | `state.rs`, `restore.rs` |
 //! | guides that later renders begin with | `guide_state.rs`, `learned_guide.rs`, `guide_tables.rs` (for files) |
 
 pub(crate) mod another_scene;
 pub(crate) mod another_view;
 mod film_store;
+pub mod first_hits;
 mod guide_cells;
 pub(crate) mod guide_state;
 pub mod guide_tables;

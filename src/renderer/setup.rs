@@ -23,6 +23,7 @@ use crate::renderer::sets::radiance_grid::RadianceGrid;
 use crate::renderer::sets::{Sets, Shown};
 use crate::renderer::trace::execution::{self, Plan};
 use crate::renderer::trace::tracer::Tracer;
+use crate::renderer::trace::wave_memory::wave_buffer;
 use crate::renderer::variants;
 use crate::scene::Scene;
 use crate::settings::{Settings, Traversal};
@@ -115,7 +116,7 @@ impl Renderer {
             let film_store = FilmStore::new(context, kernels, &variant, settings)?;
             Ok((Tracer::new(context, kernels, &variant, settings)?, learning, film_store))
         };
-        let upload = || Sets::new(context, kernels, &shown, settings);
+        let upload = || Sets::new(context, kernels, &shown, settings, wave_buffer(context, settings)?);
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
         let ((tracer, slicer), learning, film_store) = built?;
@@ -148,7 +149,7 @@ impl Renderer {
 
 /// Ray queries where the settings ask for them; else texel buffers where the device allows the sizes that geometry and tables need;
 /// else storage buffers.
-fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
+pub(super) fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
     if settings.traversal == Traversal::Query {
         return BackEnd::Query;
     }

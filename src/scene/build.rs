@@ -6,6 +6,7 @@ use glam::{DMat3, DMat4, Mat4, Vec2, Vec3};
 
 use super::deformation::{Deformation, DeformedTriangle, MOST_INTERVALS, split_off};
 use super::motion::is_even;
+use super::objects::Objects;
 use super::{
     AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, Group, Instance, IntegratorDescription, LoadOptions, Material,
     MaterialKind, Media, Motion, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial,
@@ -77,6 +78,7 @@ impl Scene {
             groups: Vec::new(),
             instances: Vec::new(),
             motions: Vec::new(),
+            objects: Objects::default(),
             camera_motion: None,
             materials: Vec::new(),
             media: Media::default(),

@@ -43,6 +43,7 @@ pub fn fingerprints(scene: &Scene) -> Result<Fingerprints> {
         name: _,
         cameras: _,
         views: _,
+        objects: _,
         warnings: _,
         is_photometric: _,
         camera,

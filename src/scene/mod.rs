@@ -30,6 +30,7 @@ mod mesh;
 mod mitsuba;
 pub mod motion;
 mod numbers;
+pub mod objects;
 pub mod parameter;
 mod pbrt;
 mod place;

@@ -11,6 +11,7 @@ use super::geometry::{Group, Instance, Primitive};
 use super::integrator::IntegratorDescription;
 use super::medium::Media;
 use super::motion::Motion;
+use super::objects::Objects;
 use super::texture::{Image, Texture};
 
 /// Whole scene in world space.
@@ -42,6 +43,8 @@ pub struct Scene {
     pub motions: Vec<Motion>,
     /// Motion of the camera, whose transform is then that of the middle of the shutter's time.
     pub camera_motion: Option<Motion>,
+    /// Names of the objects that primitives and instances belong to.
+    pub objects: Objects,
     /// Materials that primitives refer to by index, and materials that choose between others.
     pub materials: Vec<Material>,
     /// Media, which the boundaries of materials refer to by index.

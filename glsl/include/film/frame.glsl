@@ -76,9 +76,9 @@ layout(scalar, set = FRAME_SET, binding = 9) restrict readonly buffer TexelWords
 layout(scalar, set = FRAME_SET, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
 #endif
 layout(scalar, set = FRAME_SET, binding = 5) restrict buffer Counters { uint counters[]; };
-// Scratch memory: the tile states and halves of a film page for adaptive sampling (halves.glsl), or the paths of a wave
-// (wavefront.glsl). They share one binding because devices have few bindings. Without either, the buffer is nearly
-// empty.
+// Scratch memory: the tile states and halves of a film page for adaptive sampling (halves.glsl), the paths of a wave
+// (wavefront.glsl), or first hits (first_hits.comp). They share one binding because devices have few bindings. Without any, the buffer is
+// nearly empty.
 layout(scalar, set = FRAME_SET, binding = 11) restrict buffer Scratch { uvec4 scratch[]; };
 
 SceneConstants scene() {

@@ -22,7 +22,6 @@ use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture, i
 use crate::renderer::persistent::{Persistent, Span};
 use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape, word_buffer_kind};
 use crate::renderer::statistics::Counts;
-use crate::renderer::trace::wave_memory::wave_buffer;
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Camera, Projection, Scene};
 use crate::settings::{Learner, Settings};
@@ -56,8 +55,8 @@ struct SharedBuffers {
     /// The buffers with the numbers of their bindings.
     numbered: Vec<(u32, Arc<Buffer>)>,
     constants: Arc<Buffer>,
-    /// Paths of a wave; `None` where one kernel traces paths.
-    wave: Option<Arc<Buffer>>,
+    /// Scratch memory in place of that of each page.
+    scratch: Option<Arc<Buffer>>,
 }
 
 impl SharedBuffers {
@@ -67,7 +66,7 @@ impl SharedBuffers {
             let own = [
                 (numbers::FILM_RADIANCE_PAGE, &buffers.radiance),
                 (numbers::FILM_FEATURES_PAGE, &buffers.features),
-                (numbers::SCRATCH, self.wave.as_ref().unwrap_or(&buffers.adaptive)),
+                (numbers::SCRATCH, self.scratch.as_ref().unwrap_or(&buffers.adaptive)),
             ];
             let shared = self.numbered.iter().map(|(number, buffer)| (*number, buffer));
             let set = set_over(context, "frame", self.shape, &shared.chain(own).collect::<Vec<_>>())?;
@@ -78,6 +77,8 @@ impl SharedBuffers {
 }
 
 impl Frame {
+    /// The set of a scene. Kernels find `scratch` in place of the scratch memory of the film's pages, if it is given.
+    #[expect(clippy::too_many_arguments, reason = "what a set shows")]
     pub fn new(
         context: &Arc<Context>,
         kernels: &Kernels,
@@ -86,8 +87,8 @@ impl Frame {
         bvh: &Bvh,
         cells: &Cells,
         settings: &Settings,
+        scratch: Option<Arc<Buffer>>,
     ) -> Result<Self> {
-        let wave = wave_buffer(context, settings)?;
         let Shading { surfaces: surfaces @ Surfaces { textures, .. }, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
         let mut constants = scene_constants(scene, cells, lights, settings);
@@ -115,7 +116,7 @@ impl Frame {
             (numbers::TEXEL_WORDS2, words2),
             (numbers::TEXEL_WORDS3, words3),
         ];
-        let shared = SharedBuffers { shape, numbered, constants: constants_buffer, wave };
+        let shared = SharedBuffers { shape, numbered, constants: constants_buffer, scratch };
         let pages = shared.pages(context, settings)?;
         Ok(Self { pages, shared, constants, counters, counters_read })
     }

@@ -7,7 +7,7 @@ use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::surfaces::Shading;
 use crate::generated::kernels::Kernels;
-use crate::gpu::{Context, DescriptorSet};
+use crate::gpu::{Buffer, Context, DescriptorSet};
 use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::frame::Frame;
@@ -41,15 +41,22 @@ pub(crate) struct Shown<'a> {
 }
 
 impl Sets {
-    /// Uploads the scene and allocates film and grids.
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, shown: &Shown<'_>, settings: &Settings) -> Result<Self> {
+    /// Uploads the scene and allocates film and grids. Kernels find `scratch` in place of the scratch memory of the film's pages, if it is
+    /// given.
+    pub fn new(
+        context: &Arc<Context>,
+        kernels: &Kernels,
+        shown: &Shown<'_>,
+        settings: &Settings,
+        scratch: Option<Arc<Buffer>>,
+    ) -> Result<Self> {
         let Shown { scene, shading, bvh, cells, uploaded } = shown;
         let bvh_set = match uploaded {
             Some(uploaded) => Arc::clone(uploaded),
             None => BvhSet::new(context, kernels, bvh, scene.camera.eye())?.into(),
         };
         Ok(Self {
-            frame: Frame::new(context, kernels, scene, shading, bvh, cells, settings)?,
+            frame: Frame::new(context, kernels, scene, shading, bvh, cells, settings, scratch)?,
             bvh: bvh_set,
             radiance_grid: RadianceGrid::new(context, kernels, settings, cells, &shading.lights)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings, cells)?,

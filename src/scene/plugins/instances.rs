@@ -33,6 +33,8 @@ pub(super) struct Placed<'a> {
     pub to_world: DMat4,
     /// Transforms at points in time, where the instance moves.
     pub keys: Option<Box<Keys>>,
+    /// Name of the instance, where it has one.
+    pub name: Option<Arc<str>>,
     /// Place of the instance, for messages.
     pub origin: &'a Origin,
 }
@@ -45,6 +47,8 @@ pub(super) struct Arranged {
     /// Index of the first shape of each group that is kept.
     pub groups: Vec<usize>,
     pub instances: Vec<Instance>,
+    /// Name of each instance; `None` where the shapes of its group keep theirs.
+    pub names: Vec<Option<Arc<str>>>,
     pub motions: Vec<Motion>,
 }
 
@@ -97,21 +101,23 @@ pub(super) fn arrange(
     };
     for (index, item) in items.drain(..).enumerate() {
         if let Some(motion) = moving.remove(&index) {
-            let group = match item {
-                Item::Instance(placed) => placed.group,
+            let (group, name) = match item {
+                Item::Instance(placed) => (placed.group, placed.name),
                 Item::Shape(shape) => {
                     groups.push(vec![*shape]);
-                    groups.len() - 1
+                    (groups.len() - 1, None)
                 }
             };
             let index = arranged.motions.len() as u32;
             arranged.instances.push(Instance::moving(number_of(group, true), index, &motion));
+            arranged.names.push(name);
             arranged.motions.push(motion);
             continue;
         }
         match (item, of_shape.get(&index)) {
             (Item::Shape(shape), Some(&group)) => {
                 arranged.instances.push(Instance::new(number_of(group, false), &shape.common.to_world));
+                arranged.names.push(Some(shape.name));
             }
             (Item::Shape(shape), None) => arranged.shapes.push(*shape),
             (Item::Instance(placed), _) => {
@@ -124,6 +130,7 @@ pub(super) fn arrange(
                 }
                 if is_kept {
                     arranged.instances.push(Instance::new(number_of(placed.group, false), &placed.to_world));
+                    arranged.names.push(placed.name);
                 }
             }
         }
@@ -200,7 +207,8 @@ fn is_sphere(shape: &Shape) -> bool {
 /// Copy of a group's shape in the place of an instance.
 fn copy(shape: &Shape, placed: &Placed) -> Shape {
     let common = Common { instance_to_world: placed.to_world, ..shape.common };
-    Shape { geometry: shape.geometry.clone(), common, origin: placed.origin.clone(), keys: None }
+    let name = Arc::clone(placed.name.as_ref().unwrap_or(&shape.name));
+    Shape { geometry: shape.geometry.clone(), common, name, origin: placed.origin.clone(), keys: None }
 }
 
 /// Shape of the items in the space of its mesh.

@@ -19,6 +19,7 @@ use super::instances::{self, Arranged, Item, Placed};
 use super::kept_meshes::KeptMeshes;
 use super::materials::{Materials, conserve_energy, measured_word_counts};
 use super::media::MediumList;
+use super::primitives::{self, Made};
 use super::projector::Projector;
 use super::properties::Properties;
 use super::scope::{Scope, Whole};
@@ -27,7 +28,7 @@ use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::{Textures, number_images};
 use super::triangle_budget::{Promise, TriangleBudget};
-use super::{curves, facing, fit, integrator, primitives, sensor, texture_images, vertex_colors};
+use super::{curves, facing, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::deformation::MOST_INTERVALS;
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
@@ -37,6 +38,7 @@ use crate::scene::faults::Faults;
 use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::objects::name_of_id;
 use crate::scene::{
     AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Medium, Scene,
 };
@@ -332,7 +334,8 @@ impl<'a> Builder<'a> {
             Some(boundary) => self.materials.keep_boundary(material, boundary),
             None => material,
         };
-        let shape = Shape { geometry, common, origin: object.origin.clone(), keys };
+        let name = object_name(object);
+        let shape = Shape { geometry, common, name, origin: object.origin.clone(), keys };
         shape.check_keys()?;
         curves::check_keys(&shape)?;
         self.note_motion(shape.keys.is_some(), object);
@@ -402,7 +405,8 @@ impl<'a> Builder<'a> {
         check(&to_world)?;
         keys.iter().flat_map(|keys| keys.iter()).try_for_each(|(_, key)| check(key))?;
         self.note_motion(keys.is_some(), object);
-        self.items.push(Item::Instance(Placed { group, to_world, keys, origin: &object.origin }));
+        let name = object.id.as_deref().map(|id| Arc::from(name_of_id(id)));
+        self.items.push(Item::Instance(Placed { group, to_world, keys, name, origin: &object.origin }));
         Ok(())
     }
 
@@ -477,7 +481,7 @@ impl<'a> Builder<'a> {
         number_images(&mut textures, first_image, &indices, images.len());
         self.warnings.extend(warnings);
         let arranged = instances::arrange(self.items, self.groups, &meshes, shutter)?;
-        let Arranged { mut shapes, groups, instances, motions } = arranged;
+        let Arranged { mut shapes, groups, instances, names, motions } = arranged;
         self.warnings.extend(curves::warning(&shapes, &meshes));
         let mut left_out: Vec<_> = meshes.iter().filter_map(|(file, mesh)| mesh::warning(&file.path, mesh)).collect();
         left_out.sort();
@@ -515,7 +519,8 @@ impl<'a> Builder<'a> {
         if !is_open && self.first_moving.is_none() {
             self.warnings.extend(warning_of_sets(&shapes, &meshes));
         }
-        let (Group { primitives, deformations }, groups) = primitives::of_shapes(&shapes, &groups, &meshes, is_open)?;
+        let Made { world: Group { primitives, deformations }, groups, objects } =
+            primitives::of_shapes(&shapes, &groups, &names, &meshes, is_open)?;
         let glows = media.iter().any(|medium| medium.emission != Vec3::ZERO);
         let is_dark = !glows && emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
         if is_dark {
@@ -543,6 +548,7 @@ impl<'a> Builder<'a> {
             groups,
             instances,
             motions,
+            objects,
             materials,
             media: Media { all: media, of_camera: sensor.medium },
             emitters,
@@ -553,6 +559,14 @@ impl<'a> Builder<'a> {
             warnings: self.warnings,
             is_photometric: self.description.is_photometric,
         })
+    }
+}
+
+/// Name of the object that a shape is a part of: that of its id, or its plugin and place.
+fn object_name(shape: &Object) -> Arc<str> {
+    match &shape.id {
+        Some(id) => name_of_id(id).into(),
+        None => format!("{} at {}", shape.plugin, shape.origin.brief()).into(),
     }
 }
 

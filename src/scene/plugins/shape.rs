@@ -29,6 +29,8 @@ pub(super) const SIMILARITY: f64 = 1e-3;
 pub(super) struct Shape {
     pub geometry: Geometry,
     pub common: Common,
+    /// Name of the object that it is a part of.
+    pub name: Arc<str>,
     pub origin: Origin,
     /// Transforms at points in time that follow `common.to_world`, where the shape moves.
     pub keys: Option<Box<Keys>>,
