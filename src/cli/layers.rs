@@ -49,6 +49,9 @@ pub fn run(args: LayersArgs) -> Result<ExitCode> {
         let message = "the file exists already; give another name with -o, or replace it with --overwrite";
         return Err(Error::Settings(format!("{}: {message}", args.output.display())));
     }
+    if args.given.text("camera") == Some("all") {
+        return Err(Error::Settings("--camera all is for pictures; name a camera".into()));
+    }
     let working = Loading::new(args.quiet);
     working.show(&format!("reading {}", args.scene.display()));
     let scene = scene::load(&scene::scene_file(&args.scene)?, &args.given.load())?;

@@ -272,7 +272,11 @@ pub type Attributes = Vec<(String, String)>;
 pub fn read_layers(path: &Path) -> Result<(Layers, FileHeader)> {
     let parts = read_parts(path)?;
     let mut header =
-        FileHeader { attributes: attributes_of(parts.iter().map(|part| &part.attributes)), ..FileHeader::default() };
+        FileHeader {
+        attributes: attributes_of(parts.iter().map(|part| &part.attributes)),
+        foreign: foreign_of(parts.iter().map(|part| &part.attributes)),
+        ..FileHeader::default()
+    };
     let [part] = <[Part; 1]>::try_from(parts).map_err(|_| lacking(path, "one part"))?;
     let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
     let matrix = |matrix: Option<Matrix4x4>| matrix.map(|matrix| Mat4::from_cols_array(&matrix));
@@ -323,6 +327,20 @@ pub fn lacking(path: &Path, what: &str) -> Error {
 pub fn read_attributes(path: &Path) -> Result<Attributes> {
     let meta = read_meta(path)?;
     Ok(attributes_of(meta.headers.iter().map(|header| &header.own_attributes)))
+}
+
+/// Text attributes without the prefix `lodestar.`, sorted by name.
+fn foreign_of<'a>(parts: impl Iterator<Item = &'a LayerAttributes>) -> Attributes {
+    let of_part = |part: &'a LayerAttributes| {
+        part.other.iter().filter_map(|(name, value)| match value {
+            AttributeValue::Text(value) => Some((name_of(name), name_of(value))),
+            _ => None,
+        })
+    };
+    let all = parts.flat_map(of_part).filter(|(name, _)| !name.starts_with(ATTRIBUTE_PREFIX));
+    let mut attributes: Attributes = all.collect();
+    attributes.sort();
+    attributes
 }
 
 fn attributes_of<'a>(parts: impl Iterator<Item = &'a LayerAttributes>) -> Attributes {
@@ -501,7 +519,7 @@ mod tests {
         let (_folder, path) = folder();
         let header = FileHeader {
             attributes: vec![("seed".to_owned(), "7".to_owned())],
-            foreign: Vec::new(),
+            foreign: vec![("cryptomatte/be359d6/name".to_owned(), "CryptoObject".to_owned())],
             camera_from_world: Some(Mat4::from_rotation_x(0.5)),
             film_from_world: Some(Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0))),
         };

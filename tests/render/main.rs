@@ -23,6 +23,7 @@ mod guide_from;
 mod guide_set;
 mod hair;
 mod instances;
+mod layers;
 mod learning;
 mod light_selection;
 mod media;

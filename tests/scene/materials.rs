@@ -240,6 +240,8 @@ fn masks() {
     assert!((masked.opacity.value - 0.5).abs() < 1e-6);
     let masked = surface(&format!(r#"<bsdf type="mask"><spectrum name="opacity" value="0.6"/>{RED}</bsdf>"#));
     assert!((masked.opacity.value - 0.6).abs() < 1e-6);
+    let twice = surface(&format!(r#"<bsdf type="mask"><bsdf type="mask"><float name="opacity" value="0.4"/>{RED}</bsdf></bsdf>"#));
+    assert_eq!(twice.opacity, number(0.2));
 }
 
 #[test]
@@ -312,6 +314,10 @@ fn reliefs() {
     assert_eq!(unshadowed, ReliefRules { shadows: false, raises: false });
     let raised = surface(&with_rule("raise_invalid_normals", true)).relief_rules;
     assert_eq!(raised, ReliefRules { shadows: true, raises: true });
+    let mask = |inner: &str| format!(r#"<bsdf type="mask">{}{inner}</bsdf>"#, map("opacity"));
+    let half = format!(r#"<bsdf type="mask">{RED}</bsdf>"#);
+    assert_eq!(surface(&mask(&half)).opacity, Textured { value: 0.5, texture: Some(0) });
+    assert!(with_image(&mask(&mask(RED))).unwrap_err().to_string().contains("inside another"));
     let off = with_image(&with_rule("flip_invalid_normals", false));
     assert!(off.unwrap_err().to_string().contains("`flip_invalid_normals`"));
     let twice = with_image(&format!(r#"<bsdf type="bumpmap">{}{bump}</bsdf>"#, map("b")));

@@ -85,17 +85,17 @@ impl Tree {
         }
     }
 
-    /// Puts a `mask` around the material.
+    /// Puts a `mask` around the material. What scatters light within two masks is opaque in both.
     pub fn masked(self, opacity: Textured<f32>) -> Result<Self, &'static str> {
         self.map(&|surface| {
-            if surface.opacity == Textured::constant(1.0) {
-                return Ok(SurfaceMaterial { opacity, ..surface });
-            }
-            // What is not there cannot be masked.
-            match surface.opacity == Textured::constant(0.0) {
-                true => Ok(surface),
-                false => Err("a `mask` inside another is not supported"),
-            }
+            let inner = surface.opacity;
+            let whole = match (opacity.texture, inner.texture) {
+                _ if opacity.value * inner.value == 0.0 => Textured::constant(0.0),
+                (None, _) => Textured { value: opacity.value * inner.value, ..inner },
+                (_, None) => Textured { value: opacity.value * inner.value, ..opacity },
+                _ => return Err("a `mask` whose opacity is a texture cannot lie inside another such `mask`"),
+            };
+            Ok(SurfaceMaterial { opacity: whole, ..surface })
         })
     }
 
