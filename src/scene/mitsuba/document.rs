@@ -8,10 +8,10 @@ use std::sync::Arc;
 use roxmltree::Node;
 
 use super::budget::{self, Budget};
-use super::element::Element;
+use super::element::{Element, word};
 use super::values::rotation_warning;
 use crate::scene::description::kinds::{Kind, Type};
-use crate::scene::description::origin::Origin;
+use crate::scene::description::origin::{Name, Origin};
 use crate::scene::faults::Faults;
 use crate::scene::folders::Folders;
 use crate::scene::formats;
@@ -164,13 +164,13 @@ impl Reader {
     fn read_node(&mut self, node: Node, file: &File, depth: usize, into: &mut Vec<Element>) -> Result<()> {
         let location = file.location(node);
         let mut element = Element {
-            tag: node.tag_name().name().to_string(),
+            tag: word(node.tag_name().name()),
             attributes: self.read_attributes(node, &location)?,
             children: Vec::new(),
             location,
             is_old: self.is_old,
         };
-        match element.tag.as_str() {
+        match &*element.tag {
             "default" => return self.read_default(&element),
             "include" => {
                 into.extend(self.read_include(&element)?);
@@ -178,7 +178,7 @@ impl Reader {
             }
             "path" if depth == 1 => return self.read_path(&element),
             // Mitsuba 0.5 and 0.6 use these spellings.
-            "lookAt" | "look_at" => element.tag = "lookat".to_string(),
+            "lookAt" | "look_at" => element.tag = "lookat".into(),
             _ => {}
         }
         if self.faults.keep(check_tag(&element, depth)).is_none() {
@@ -190,15 +190,16 @@ impl Reader {
         }
         self.warnings.extend(rotation_warning(&element));
         self.read_children(node, file, depth, &mut element.children)?;
+        element.children.shrink_to_fit();
         into.push(element);
         Ok(())
     }
 
-    fn read_attributes(&mut self, node: Node, location: &Origin) -> Result<Vec<(String, String)>> {
+    fn read_attributes(&mut self, node: Node, location: &Origin) -> Result<Box<[(Name, Box<str>)]>> {
         node.attributes()
             .map(|attribute| {
                 let value = self.substitute(attribute.value(), location)?;
-                Ok((attribute.name().to_string(), value))
+                Ok((word(attribute.name()), value.into_boxed_str()))
             })
             .collect()
     }
@@ -269,7 +270,7 @@ fn tag_name(tag: &str) -> String {
 
 /// Refuses unknown elements. `depth` is 1 directly in `<scene>`.
 fn check_tag(element: &Element, depth: usize) -> Result<()> {
-    let tag = element.tag.as_str();
+    let tag = &*element.tag;
     let is_known = Kind::named(tag).is_some() || Type::named(tag).is_some() || OTHER_TAGS.contains(&tag);
     match is_known || (tag == "alias" && depth == 1) {
         true => Ok(()),
