@@ -17,7 +17,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Mat4, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use crate::Result;
 use crate::encode::bvh::Bvh;
@@ -31,7 +31,7 @@ use crate::image::exr::{self, FileHeader};
 use crate::image::rows_at_a_time;
 use crate::renderer::first_hits::FirstHits;
 use crate::scene::objects::name_of_id;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Projection, Scene};
 use crate::settings::Settings;
 
 /// Most names that a file has of its objects, and of its materials. Without names the mattes of a file can still be picked by eye.
@@ -104,10 +104,13 @@ impl Request<'_> {
         let mut header = FileHeader {
             attributes: attributes.to_vec(),
             foreign: Vec::new(),
-            camera_from_world: Some(view.camera_from_world),
-            film_from_world: Some(view.film_from_world),
+            camera_from_world: view.map(|view| view.camera_from_world),
+            film_from_world: view.map(|view| view.film_from_world),
         };
         let mut notes = Vec::new();
+        if self.layers.contains(&Layer::Motion) && self.scene.camera.projection == Projection::EqualArea {
+            notes.push("the layer motion is 0, because it is not known for equal-area panoramas".to_owned());
+        }
         for (layer, mattes) in [(Layer::Objects, &reader.objects), (Layer::Materials, &reader.materials)] {
             if self.layers.contains(&layer) {
                 header.foreign.extend(mattes.attributes(&mut notes));
@@ -215,8 +218,8 @@ struct Reader<'a> {
     scene: &'a Scene,
     bvh: &'a Bvh,
     size: DVec2,
-    /// Matrices from the world to the film where the shutter opens and closes.
-    film_from_world: [Mat4; 2],
+    /// The camera where the shutter opens and where it closes.
+    cameras: [Camera; 2],
     objects: Mattes,
     materials: Mattes,
     /// Index of each material's name.
@@ -225,10 +228,9 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(scene: &'a Scene, bvh: &'a Bvh, settings: &Settings) -> Self {
-        let film_from_world = [0.0, 1.0].map(|time| {
+        let cameras = [0.0, 1.0].map(|time| {
             let moved = scene.camera_motion.as_ref().map(|motion| motion.at(time).as_mat4());
-            let world_from_camera = moved.unwrap_or(scene.camera.world_from_camera);
-            View::new(&Camera { world_from_camera, ..scene.camera }, settings.width, settings.height).film_from_world
+            Camera { world_from_camera: moved.unwrap_or(scene.camera.world_from_camera), ..scene.camera }
         });
         let mut known: HashMap<&str, u32> = HashMap::new();
         let mut names: Vec<Arc<str>> = Vec::new();
@@ -243,7 +245,7 @@ impl<'a> Reader<'a> {
             scene,
             bvh,
             size: DVec2::new(settings.width.into(), settings.height.into()),
-            film_from_world,
+            cameras,
             objects: Mattes::new(OBJECTS, scene.objects.names.clone()),
             materials: Mattes::new(MATERIALS, names),
             material_names,
@@ -291,15 +293,35 @@ impl<'a> Reader<'a> {
 
     /// Way of the point over the picture, in pixels to the right and up; 0 where the camera does not see one of its ends.
     fn motion(&self, record: &FirstHitRecord) -> DVec2 {
-        let [opening, closing] = [(0, record.opening), (1, record.closing)].map(|(time, position): (usize, _)| {
-            let on_film = self.film_from_world[time].as_dmat4() * Vec3::from(position).as_dvec3().extend(1.0);
-            (on_film.truncate().truncate() / on_film.w).is_finite().then_some(on_film)
-        });
-        let (Some(opening), Some(closing)) = (opening, closing) else { return DVec2::ZERO };
-        if opening.w <= 0.0 || closing.w <= 0.0 {
+        let ends = [(&self.cameras[0], record.opening), (&self.cameras[1], record.closing)];
+        let [Some(opening), Some(closing)] = ends.map(|(camera, point)| self.on_film(camera, point)) else {
             return DVec2::ZERO;
+        };
+        let mut way = closing - opening;
+        if let Projection::Equirectangular { longitude: [left, right], .. } = self.scene.camera.projection {
+            // The shorter way around.
+            let turn = 360.0 / f64::from(right - left);
+            way.x -= turn * (way.x / turn).round();
         }
-        let way = (closing.truncate().truncate() / closing.w - opening.truncate().truncate() / opening.w) * self.size;
-        DVec2::new(way.x, -way.y)
+        way * self.size * DVec2::new(1.0, -1.0)
+    }
+
+    /// Place of a point on the film, in film widths and heights from the top left corner; `None` where the camera does not see it.
+    fn on_film(&self, camera: &Camera, point: [f32; 3]) -> Option<DVec2> {
+        let point = Vec3::from(point).as_dvec3();
+        let place = match camera.projection {
+            Projection::Equirectangular { longitude: [left, right], latitude: [bottom, top] } => {
+                let own = camera.world_from_camera.as_dmat4().inverse().transform_point3(point).normalize_or_zero();
+                let longitude = (-own.x).atan2(own.z).to_degrees() - f64::from(left);
+                let latitude = f64::from(top) - own.y.asin().to_degrees();
+                DVec2::new(longitude / f64::from(right - left), latitude / f64::from(top - bottom))
+            }
+            _ => {
+                let view = View::new(camera, self.size.x as u32, self.size.y as u32)?;
+                let on_film = view.film_from_world.as_dmat4() * point.extend(1.0);
+                (on_film.w > 0.0).then(|| on_film.truncate().truncate() / on_film.w)?
+            }
+        };
+        place.is_finite().then_some(place)
     }
 }

@@ -15,15 +15,15 @@ pub struct View {
 }
 
 impl View {
-    /// View of `camera` on a film of `width` x `height` pixels. A thin lens is seen through its center.
-    pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
+    /// View of `camera` on a film of `width` x `height` pixels. A thin lens is seen through its center. A panorama has none.
+    pub fn new(camera: &Camera, width: u32, height: u32) -> Option<Self> {
         let own_from_world = camera.world_from_camera.inverse();
         // Lodestar's x points to the left, OpenEXR's to the right.
         let mirror = Mat4::from_diagonal(Vec4::new(-1.0, 1.0, 1.0, 1.0));
-        Self {
+        Some(Self {
             camera_from_world: mirror * own_from_world,
-            film_from_world: film_from_own(camera, width, height) * own_from_world,
-        }
+            film_from_world: film_from_own(camera, width, height)? * own_from_world,
+        })
     }
 
     /// The way back from the film to the world.
@@ -69,8 +69,8 @@ impl Unprojection {
     }
 }
 
-/// Matrix to the film from the camera's own space, whose x points to the left.
-fn film_from_own(camera: &Camera, width: u32, height: u32) -> Mat4 {
+/// Matrix to the film from the camera's own space, whose x points to the left; `None` for a panorama.
+fn film_from_own(camera: &Camera, width: u32, height: u32) -> Option<Mat4> {
     let scale = -0.5 / camera.half_extent(width, height);
     let center = 0.5 - camera.principal_point;
     let (near, range) = (camera.near_clip, camera.far_clip - camera.near_clip);
@@ -87,9 +87,10 @@ fn film_from_own(camera: &Camera, width: u32, height: u32) -> Mat4 {
             Vec4::new(0.0, 0.0, camera.far_clip / range, -camera.far_clip * near / range),
             Vec4::Z,
         ],
+        Projection::Equirectangular { .. } | Projection::EqualArea => return None,
     };
     let [x, y, z, w] = rows;
-    Mat4::from_cols(x, y, z, w).transpose()
+    Some(Mat4::from_cols(x, y, z, w).transpose())
 }
 
 #[cfg(test)]
@@ -118,7 +119,7 @@ mod tests {
         let lens = Projection::ThinLens { aperture_radius: 0.1, focus_distance: 4.0 };
         for projection in [Projection::Perspective, lens, Projection::Orthographic] {
             let camera = camera(projection);
-            let view = View::new(&camera, SIZE[0], SIZE[1]);
+            let view = View::new(&camera, SIZE[0], SIZE[1]).expect("a view");
             for point in [Vec3::ZERO, Vec3::new(1.5, -0.5, 2.0), Vec3::new(-1.0, 1.0, -3.0)] {
                 let film = view.film_from_world.project_point3(point).truncate();
                 let pixel = film * Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
@@ -131,7 +132,7 @@ mod tests {
     fn pixels_lead_back_to_their_points() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let camera = camera(projection);
-            let view = View::new(&camera, SIZE[0], SIZE[1]);
+            let view = View::new(&camera, SIZE[0], SIZE[1]).expect("a view");
             for point in [Vec3::ZERO, Vec3::new(1.5, -0.5, 2.0), Vec3::new(-1.0, 1.0, -3.0)] {
                 let film = view.film_from_world.project_point3(point);
                 let own = camera.world_from_camera.inverse().transform_point3(point);
@@ -145,7 +146,7 @@ mod tests {
     #[test]
     fn the_camera_looks_along_z_with_x_to_the_right() {
         let camera = Camera { principal_point: Vec2::ZERO, ..camera(Projection::Perspective) };
-        let view = View::new(&camera, SIZE[0], SIZE[1]);
+        let view = View::new(&camera, SIZE[0], SIZE[1]).expect("a view");
         let world_from_camera = view.camera_from_world.inverse();
         let film = |x: f32, y: f32, z: f32| {
             view.film_from_world.project_point3(world_from_camera.transform_point3(Vec3::new(x, y, z)))

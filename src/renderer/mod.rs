@@ -89,7 +89,8 @@ pub struct Renderer {
     /// Whether the environment is seen behind the surfaces.
     has_background: bool,
     camera: Camera,
-    view: View,
+    /// `None` for a panorama.
+    view: Option<View>,
     /// Samples of earlier renders that the guide has learned from.
     guide_samples: SampleRanges,
     samples_done: u32,
@@ -161,7 +162,7 @@ impl Renderer {
     /// Where the device is lost.
     pub(crate) fn picture_rows(&self, rows: &Range<u32>) -> Result<Picture> {
         let picture = self.film_store.picture(&self.sets.frame, &self.settings, rows)?;
-        Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
+        Ok(Picture { has_background: self.has_background, view: self.view, ..picture })
     }
 
     /// Whether copies of the whole film are kept in the host's memory. Where it is the device's own, a copy of a large film would take as

@@ -107,5 +107,7 @@ pub(super) fn camera_kind(projection: Projection) -> u32 {
         Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
         Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
         Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        Projection::Equirectangular { .. } => kernels::CAMERA_EQUIRECTANGULAR,
+        Projection::EqualArea => kernels::CAMERA_EQUAL_AREA,
     }
 }

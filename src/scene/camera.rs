@@ -43,6 +43,22 @@ pub enum Projection {
     },
     /// Orthographic: all rays are parallel to camera space's z axis. The picture's width spans x from -1 to 1 there.
     Orthographic,
+    /// Panorama whose rows and columns are latitudes and longitudes.
+    Equirectangular {
+        /// Longitudes of the picture's left and right side in degrees; 0 is forward, and 90 to the right.
+        longitude: [f32; 2],
+        /// Latitudes of its lower and upper side in degrees; 90 is up.
+        latitude: [f32; 2],
+    },
+    /// Panorama by pbrt's equal-area map (Clarberg 2008): a square whose middle is up, and whose corners are down.
+    EqualArea,
+}
+
+impl Projection {
+    /// Whether the camera sees all around, so that no matrix leads to its picture.
+    pub fn is_panorama(self) -> bool {
+        matches!(self, Self::Equirectangular { .. } | Self::EqualArea)
+    }
 }
 
 /// Mitsuba's `fov_axis`.
@@ -105,6 +121,12 @@ impl Camera {
             return refuse("the camera's transform must neither scale nor shear");
         }
         match self.projection {
+            Projection::Equirectangular { longitude: [left, right], latitude: [bottom, top] } => {
+                let spans = (right - left).abs() > 0.0 && (right - left).abs() <= 360.0 && left.abs() <= 720.0;
+                let is_up = -90.0 <= bottom && bottom < top && top <= 90.0;
+                let message = "the camera's longitudes must span up to 360 degrees, and its latitudes grow from -90 to 90 at most";
+                if spans && is_up { Ok(()) } else { refuse(message) }
+            }
             Projection::ThinLens { aperture_radius: radius, focus_distance: focus }
                 if !(radius >= 0.0 && radius.is_finite() && focus > 0.0 && focus.is_finite()) =>
             {

@@ -288,7 +288,7 @@ impl Moving {
     fn own_width(&self, camera: &Camera) -> f32 {
         match camera.projection {
             Projection::Orthographic => camera.world_from_camera.x_axis.length() / self.pose.scale,
-            Projection::Perspective | Projection::ThinLens { .. } => 1.0,
+            _ => 1.0,
         }
     }
 

@@ -36,7 +36,7 @@ impl Pose {
         let [_, up, forward, eye] = columns(&camera.world_from_camera);
         let (aperture, focus) = match camera.projection {
             Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
-            Projection::Perspective | Projection::Orthographic => (0.0, focus),
+            _ => (0.0, focus),
         };
         let (forward, up) = (forward.normalize_or(Vec3::Z), up.normalize_or(Vec3::Y));
         Self { camera: index, eye: eye.into(), forward: forward.into(), up: up.into(), aperture, focus, scale: 1.0 }
@@ -81,7 +81,8 @@ impl Pose {
                 ([axes[0] * sizes[0] * sign, axes[1] * sizes[1], axes[2] * sizes[2]], Projection::Orthographic)
             }
             Projection::Orthographic => return Err("The scale is above 0.".into()),
-            Projection::Perspective | Projection::ThinLens { .. } => {
+            panorama if panorama.is_panorama() => (axes, panorama),
+            _ => {
                 let (aperture_radius, focus_distance) = (self.aperture, self.focus);
                 (axes, Projection::ThinLens { aperture_radius, focus_distance })
             }
@@ -108,26 +109,34 @@ pub(super) fn xml(camera: &Camera, [width, height]: [u32; 2]) -> String {
         Projection::Orthographic => "orthographic",
         Projection::ThinLens { aperture_radius, .. } if aperture_radius > 0.0 => "thinlens",
         Projection::Perspective | Projection::ThinLens { .. } => "perspective",
+        Projection::Equirectangular { .. } | Projection::EqualArea => "spherical",
     };
+    let has_angle = camera.projection != Projection::Orthographic && !camera.projection.is_panorama();
     // Writing into a text cannot fail.
     let _ = writeln!(text, "<sensor type=\"{plugin}\">");
     let mut float = |name: &str, value: f32| {
         let _ = writeln!(text, "    <float name=\"{name}\" value=\"{value}\"/>");
     };
-    if camera.projection != Projection::Orthographic {
+    if has_angle {
         float("fov", camera.fov);
+    }
+    if let Projection::Equirectangular { longitude, latitude } = camera.projection {
+        for (name, [min, max]) in [("longitude", longitude), ("latitude", latitude)] {
+            float(&format!("{name}_min"), min);
+            float(&format!("{name}_max"), max);
+        }
     }
     if let ("thinlens", Projection::ThinLens { aperture_radius, focus_distance }) = (plugin, camera.projection) {
         float("aperture_radius", aperture_radius);
         float("focus_distance", focus_distance);
     }
-    if camera.projection != Projection::Orthographic {
+    if has_angle {
         float("principal_point_offset_x", camera.principal_point.x);
         float("principal_point_offset_y", camera.principal_point.y);
     }
     float("near_clip", camera.near_clip);
     float("far_clip", camera.far_clip);
-    if camera.projection != Projection::Orthographic {
+    if has_angle {
         let axis = match camera.fov_axis {
             FovAxis::X => "x",
             FovAxis::Y => "y",
@@ -136,6 +145,9 @@ pub(super) fn xml(camera: &Camera, [width, height]: [u32; 2]) -> String {
             FovAxis::Larger => "larger",
         };
         let _ = writeln!(text, "    <string name=\"fov_axis\" value=\"{axis}\"/>");
+    }
+    if camera.projection == Projection::EqualArea {
+        let _ = writeln!(text, "    <string name=\"mapping\" value=\"equal_area\"/>");
     }
     let rows = camera.world_from_camera.transpose().to_cols_array().map(|value| value.to_string()).join(" ");
     let _ = writeln!(text, "    <transform name=\"to_world\">\n        <matrix value=\"{rows}\"/>\n    </transform>");

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use glam::DVec3;
 use lodestar::encode::bvh::Bvh;
 use lodestar::film::matte::identifier;
 use lodestar::image::exr::{self, FileHeader};
@@ -18,8 +19,13 @@ const SAMPLES: u32 = 256;
 
 /// Scene that an orthographic camera sees from x = -1 to 1 and y = -0.5 to 0.5 in 16 x 8 pixels. The axis x points to the right.
 fn scene(camera: &str, shapes: &str) -> Scene {
+    seen_by("orthographic", camera, shapes)
+}
+
+/// Scene with a camera of a plugin.
+fn seen_by(plugin: &str, camera: &str, shapes: &str) -> Scene {
     let text = format!(
-        r#"<scene version="3.0.0"><sensor type="orthographic"><float name="shutter_open" value="0"/><float name="shutter_close"
+        r#"<scene version="3.0.0"><sensor type="{plugin}"><float name="shutter_open" value="0"/><float name="shutter_close"
         value="1"/>{camera}<film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="8"/><rfilter
         type="box"/></film></sensor>{shapes}</scene>"#
     );
@@ -199,4 +205,68 @@ fn instances_show_what_copies_show() {
         assert!(near.clone().count() > 10, "{what}");
         assert!(near.clone().all(|((a, b), _)| (*a - *b).abs() < 1.0e-3), "{what}");
     }
+}
+
+/// Each pixel of a panorama looks in its direction. A ball around the camera shows them.
+#[test]
+fn panoramas_look_all_around() {
+    let device = Device::validated();
+    let ball = r#"<shape type="sphere"><float name="radius" value="10"/></shape>"#;
+    let [w, h] = [16, 8];
+    let whole = |x: f64, y: f64| [std::f64::consts::TAU * (x - 0.5), std::f64::consts::PI * (0.5 - y)];
+    let part = |x: f64, y: f64| [(10.0 + 80.0 * x).to_radians(), (40.0 - 60.0 * y).to_radians()];
+    let limits = r#"<float name="longitude_min" value="10"/><float name="longitude_max" value="90"/><float name="latitude_min"
+        value="-20"/><float name="latitude_max" value="40"/>"#;
+    let cases: [(&str, &dyn Fn(f64, f64) -> [f64; 2]); 2] = [("", &whole), (limits, &part)];
+    for (limits, angles) in cases {
+        let scene = panorama(limits, ball);
+        let (found, header) = layers(&device, &scene, &[Layer::Position, Layer::Motion]);
+        assert_eq!(header.film_from_world, None);
+        for (pixel, (x, y)) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).enumerate() {
+            let at = |name: &str| f64::from(floats(&found, name)[pixel]);
+            // Means of a pixel's directions lie a little within the ball.
+            let position = DVec3::new(at("position.X"), at("position.Y"), at("position.Z")).normalize();
+            let [longitude, latitude] = angles((x as f64 + 0.5) / w as f64, (y as f64 + 0.5) / h as f64);
+            // The camera looks along -z, with x to the right.
+            let [(s, c), (up, flat)] = [longitude, latitude].map(f64::sin_cos);
+            let expected = DVec3::new(s * flat, up, -c * flat);
+            assert!(position.distance(expected) < 0.03, "{x}, {y}: {position} is not {expected}");
+            assert_eq!([at("motion.X"), at("motion.Y")], [0.0; 2]);
+        }
+    }
+    // The middle of pbrt's square is up, the middles of its sides are the horizon, and its corners are down.
+    let (found, _) = layers(&device, &panorama(r#"<string name="mapping" value="equal_area"/>"#, ball), &[Layer::Position]);
+    let at = |x: usize, y: usize| {
+        let position = ["position.X", "position.Y", "position.Z"].map(|name| floats(&found, name)[w * y + x]);
+        DVec3::from(position.map(f64::from)).normalize()
+    };
+    let near = |found: DVec3, expected: DVec3| assert!(found.distance(expected) < 0.35, "{found} is not {expected}");
+    near(at(7, 3), DVec3::Y);
+    near(at(0, 0), DVec3::NEG_Y);
+    near(at(15, 3), DVec3::X);
+    near(at(7, 7), DVec3::NEG_Z);
+    near(at(7, 0), DVec3::Z);
+}
+
+/// What moves is followed over the picture, also over its sides.
+#[test]
+fn motion_over_a_panorama() {
+    let device = Device::validated();
+    let turning = |angle: f64| {
+        format!(
+            r#"<shape type="sphere"><animation name="to_world"><transform time="0"><scale value="10"/></transform><transform time="1">
+            <scale value="10"/><rotate y="1" angle="{angle}"/></transform></animation></shape>"#
+        )
+    };
+    let (found, _) = layers(&device, &panorama("", &turning(-9.0)), &[Layer::Motion]);
+    // Clockwise from above, which is to the right: 9 of 360 degrees are 0.4 of 16 pixels.
+    let [x, y] = ["motion.X", "motion.Y"].map(|name| floats(&found, name));
+    assert!(x.iter().all(|x| (x - 0.4).abs() < 1.0e-3), "{x:?}");
+    assert!(y.iter().all(|y| y.abs() < 1.0e-3), "{y:?}");
+}
+
+/// Scene around a panorama at the origin that looks along -z.
+fn panorama(parameters: &str, shapes: &str) -> Scene {
+    let place = r#"<transform name="to_world"><lookat origin="0,0,0" target="0,0,-1" up="0,1,0"/></transform>"#;
+    seen_by("spherical", &format!("{place}{parameters}"), shapes)
 }

@@ -2,6 +2,7 @@
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 #include "math/direction.glsl"
+#include "math/equal_area.glsl"
 #include "film/frame.glsl"
 #include "geometry/intersect.glsl"
 
@@ -37,9 +38,32 @@ vec3 world_from_camera(vec3 direction) {
     return vec3(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
 }
 
+// Whether the camera sees all around.
+bool is_panorama() {
+    if (CAMERA == CAMERA_EQUIRECTANGULAR) return true;
+    return CAMERA == CAMERA_EQUAL_AREA;
+}
+
+// Direction in camera space that a panorama shows at a place, in film widths and heights from the top left. The equal-area map is pbrt's:
+// its square has the direction up in the middle.
+vec3 panorama_direction(vec2 at) {
+    if (CAMERA == CAMERA_EQUAL_AREA) {
+        vec3 d = square_to_sphere(2.0 * at - 1.0);
+        return vec3(-d.x, d.z, d.y);
+    }
+    vec2 angles = scene().principal_point + at * scene().raster_scale;
+    vec2 longitude = sin_cos_turn(angles.x);
+    vec2 latitude = sin_cos_turn(angles.y);
+    return vec3(-longitude.x * latitude.y, latitude.x, longitude.y * latitude.y);
+}
+
 // Camera ray through `position`, in film pixels from the top left. `u` draws a point of the lens. In camera space, x
 // points to the left of the picture.
 Ray camera_ray(vec2 position, vec2 u) {
+    if (is_panorama()) {
+        vec3 direction = normalize(world_from_camera(panorama_direction(position / scene().film_size)));
+        return Ray(camera_position() + scene().near_clip * direction, direction, scene().far_clip - scene().near_clip);
+    }
     vec2 screen = (1.0 - 2.0 * (position / scene().film_size + scene().principal_point)) * scene().raster_scale;
     float near = scene().near_clip;
     float range = scene().far_clip - near;

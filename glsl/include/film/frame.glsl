@@ -22,9 +22,11 @@ struct FilmRadiance {
 struct SceneConstants {
     vec4 world_from_camera[3];       // rows of the affine matrix
     vec2 film_size;                  // size of the whole film, in pixels
-    // tangents of half the fields of view; orthographic: half the sides of the view, in camera units
+    // tangents of half the fields of view; orthographic: half the sides of the view, in camera units; equirectangular: the angles that the
+    // picture spans to the right and down, in turns
     vec2 raster_scale;
-    vec2 principal_point;            // principal point, in picture widths and heights
+    // principal point, in picture widths and heights; equirectangular: longitude and latitude of the top left corner, in turns
+    vec2 principal_point;
     float near_clip;                 // distance of the near plane
     float far_clip;                  // distance of the far plane
     vec3 bounds_min;                 // lower corner of the scene

@@ -54,6 +54,8 @@ const uint FILTER_GAUSSIAN = 2u;
 const uint CAMERA_PERSPECTIVE = 0u;
 const uint CAMERA_THINLENS = 1u;
 const uint CAMERA_ORTHOGRAPHIC = 2u;
+const uint CAMERA_EQUIRECTANGULAR = 3u;
+const uint CAMERA_EQUAL_AREA = 4u;
 
 // Shape of a primitive. The shape occupies bits 0 and 1 of the primitive's flags.
 const uint SHAPE_TRIANGLE = 0u;

@@ -220,12 +220,18 @@ fn set_view(constants: &mut SceneConstants, camera: &Camera, settings: &Settings
         Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
         _ => (0.0, 1.0),
     };
+    let (raster_scale, principal_point) = match camera.projection {
+        Projection::Equirectangular { longitude: [left, right], latitude: [bottom, top] } => {
+            ([(right - left) / 360.0, (bottom - top) / 360.0], [left / 360.0, top / 360.0])
+        }
+        _ => (camera.half_extent(settings.width, settings.height).into(), camera.principal_point.into()),
+    };
     let window = settings.window();
     *constants = SceneConstants {
         world_from_camera: rows(&camera.world_from_camera),
         film_size: [settings.width as f32, settings.height as f32],
-        raster_scale: camera.half_extent(settings.width, settings.height).into(),
-        principal_point: camera.principal_point.into(),
+        raster_scale,
+        principal_point,
         near_clip: camera.near_clip,
         far_clip: camera.far_clip,
         aperture_radius,

@@ -48,9 +48,8 @@ fn projected(entity: &Entity, pose: &Pose, scale: f64, window: &Window) -> Resul
     match entity.kind.as_str() {
         "perspective" => perspective(entity, pose, scale, window),
         "orthographic" => orthographic(entity, pose, scale, window),
-        other @ ("realistic" | "spherical") => {
-            Err(entity.error(format!("the camera `{other}` is not supported; use `perspective` or `orthographic`")))
-        }
+        "spherical" => spherical(entity, pose),
+        "realistic" => Err(entity.error("the camera `realistic` is not supported; use `perspective`")),
         other => Err(entity.error(format!("the camera `{}` is not known; use `perspective`", brief(other)))),
     }
 }
@@ -136,6 +135,24 @@ fn orthographic(entity: &Entity, pose: &Pose, scale: f64, window: &Window) -> Re
         "orthographic",
         &pose.after(&(DMat4::from_translation(center) * DMat4::from_scale(DVec3::new(half, half, 1.0)))),
     ))
+}
+
+fn spherical(entity: &Entity, pose: &Pose) -> Result<Object> {
+    let parameters = &entity.parameters;
+    parameters.ignore(&["lensradius", "focaldistance"]);
+    let sensor = posed("spherical", pose);
+    match parameters.text("mapping")?.unwrap_or("equalarea") {
+        "equalarea" => Ok(sensor.with("mapping", Value::Text("equal_area".into()))),
+        // The picture begins on the right and runs over the front to the left.
+        "equirectangular" => {
+            let angles = [("longitude_min", 90.0), ("longitude_max", -270.0)];
+            Ok(angles.into_iter().fold(sensor, |sensor, (name, angle)| sensor.with(name, Value::Float(angle))))
+        }
+        other => {
+            let other = brief(other);
+            Err(entity.error(format!("`mapping` is `equalarea` or `equirectangular`, not `{other}`")))
+        }
+    }
 }
 
 /// Place of a camera at the start and, where it moves, at the end of the motion.

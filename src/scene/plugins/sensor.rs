@@ -6,7 +6,7 @@ use super::media::MediumList;
 use super::properties::Properties;
 use super::scope::Scope;
 use super::transform;
-use crate::Result;
+use crate::{Result, quoted};
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::description::origin::Origin;
@@ -71,7 +71,8 @@ fn parse_plugin(properties: &mut Properties, warnings: &mut Vec<String>) -> Resu
         "perspective" => parse_pinhole(properties),
         "thinlens" => parse_thin_lens(properties, warnings),
         "orthographic" => parse_orthographic(properties),
-        _ => Err(properties.owner().unsupported(&["perspective", "thinlens", "orthographic"])),
+        "spherical" => parse_spherical(properties),
+        _ => Err(properties.owner().unsupported(&["perspective", "thinlens", "orthographic", "spherical"])),
     }
 }
 
@@ -137,6 +138,31 @@ fn parse_orthographic(properties: &mut Properties) -> Result<Camera> {
     let (fov, fov_axis, principal_point) = (90.0, FovAxis::X, Vec2::ZERO);
     let projection = Projection::Orthographic;
     Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
+}
+
+fn parse_spherical(properties: &mut Properties) -> Result<Camera> {
+    let world_from_camera = properties.take_to_world()?;
+    check_rigid(&world_from_camera, properties.owner())?;
+    let world_from_camera = world_from_camera.as_mat4();
+    let (near_clip, far_clip) = parse_clips(properties)?;
+    let location = properties.location("mapping");
+    let projection = match properties.string("mapping")? {
+        None | Some("equirectangular") => {
+            let mut angle = |name: &str, default: f32| Ok(properties.float(name)?.unwrap_or(default));
+            let longitude = [angle("longitude_min", -180.0)?, angle("longitude_max", 180.0)?];
+            let latitude = [angle("latitude_min", -90.0)?, angle("latitude_max", 90.0)?];
+            Projection::Equirectangular { longitude, latitude }
+        }
+        Some("equal_area") => Projection::EqualArea,
+        Some(other) => {
+            let other = quoted::word(other);
+            return Err(location.error(format!("`mapping` is `equirectangular` or `equal_area`, not {other}")));
+        }
+    };
+    let (fov, fov_axis, principal_point) = (90.0, FovAxis::X, Vec2::ZERO);
+    let camera = Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip };
+    camera.check().map_err(|error| properties.owner().error(error.to_string()))?;
+    Ok(camera)
 }
 
 /// Reads the parameters that all cameras with a center of projection share.
