@@ -155,14 +155,14 @@ def _mist(layers: exr.Picture, picture: exr.Picture, covered: np.ndarray, export
     world = getattr(depsgraph.view_layer_eval, "world_override", None) or depsgraph.scene_eval.world
     settings = None if world is None else world.mist_settings
     start, depth, power = (0.0, 100.0, 1.0) if settings is None else (settings.start, settings.depth, FALLOFFS[settings.falloff])
-    place = np.array(exported.camera_matrix)
-    way = _pixels(layers, "position.X", "position.Y", "position.Z") - place[:3, 3].astype(np.float32)
-    if exported.is_orthographic:
-        distance = np.abs(way @ (place[:3, 2] / np.linalg.norm(place[:3, 2])).astype(np.float32))
-    elif exported.has_media or "depth.Z" not in picture.channels:
-        distance = np.linalg.norm(way, axis=1)
-    else:
-        # The mean over all objects of a pixel. Of the positions there is that of one object alone.
-        distance = picture.channels["depth.Z"].astype(np.float32).ravel()
-    mist = ((np.where(np.isfinite(distance), distance, 0.0) - start) / max(depth, 1e-30)).clip(0.0, 1.0) ** power
+    place = np.array(exported.camera_place, np.float32)
+    way = _pixels(layers, "position.X", "position.Y", "position.Z") - place[:3, 3]
+    distance = np.linalg.norm(way, axis=1)
+    aside = np.linalg.norm(np.cross(way, place[:3, 2]), axis=1) if exported.is_orthographic else np.zeros_like(distance)
+    if not exported.has_media:
+        # The mean over all objects of a pixel, but over points of media, too. The position is that of one object alone.
+        mean = _pixels(picture, "depth.Z")[:, 0]
+        distance = np.where(np.isfinite(mean), mean, distance)
+    before = np.sqrt((distance**2 - aside**2).clip(min=0.0))
+    mist = ((before - start) / max(depth, 1e-30)).clip(0.0, 1.0) ** power
     return (1.0 - covered * (1.0 - mist)).astype(np.float32)

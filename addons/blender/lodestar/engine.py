@@ -190,16 +190,16 @@ class LodestarEngine(bpy.types.RenderEngine):
         layer = depsgraph.view_layer_eval
         running = start_layers(depsgraph.scene.lodestar, preferences(), exported.scene_file, layer)
         try:
-            for event in running.events():
+            # The render has told the scene's warnings.
+            for _ in running.events():
                 if self.test_break():
                     return
-                if event is not None and str(event.get("message", "")).startswith("warning"):
-                    self.report({"WARNING"}, f"Lodestar: {event['message']}")
         finally:
             running.close()
         layers = running.picture()
         if running.failure is not None or layers is None:
-            raise ValueError(f"the passes for compositing are missing: {running.failure}")
+            fault = str(running.failure or "no file was written").removeprefix("lodestar: error: ")
+            raise ValueError(f"the passes for compositing are missing: {fault}")
         if layers.size != picture.size:
             raise ValueError(f"the passes for compositing have {layers.size} pixels, and the picture has {picture.size}")
         self._show(picture, exported, depsgraph, compositing.fill(layers, picture, exported, depsgraph))

@@ -48,7 +48,7 @@ class Export:
     meshes_written: int
     names: Names = field(default_factory=Names)
     # Place of the camera in the middle of the time, and whether its rays are parallel.
-    camera_matrix: Any = None
+    camera_place: Any = None
     is_orthographic: bool = False
     has_media: bool = False
     files: set[str] = field(default_factory=set)
@@ -169,8 +169,8 @@ class _Exporter:
         """What an export says besides, for passes of what the camera sees first."""
         if self.viewed is not None:
             return {}
-        matrix, is_orthographic = self.camera.matrix_world.copy(), self.camera.data.type == "ORTHO"
-        return {"names": self.names, "camera_matrix": matrix, "is_orthographic": is_orthographic, "has_media": bool(self.enclosures.elements)}
+        place, is_orthographic = camera.place(self.camera), self.camera.data.type == "ORTHO"
+        return {"names": self.names, "camera_place": place, "is_orthographic": is_orthographic, "has_media": bool(self.enclosures.elements)}
 
     def _sensor(self, scene: Any) -> tuple[xml.Element, xml.Course]:
         """`<sensor>`, and the course of the camera."""
