@@ -203,8 +203,9 @@ class LodestarEngine(bpy.types.RenderEngine):
         if layers.size != picture.size:
             raise ValueError(f"the passes for compositing have {layers.size} pixels, and the picture has {picture.size}")
         self._show(picture, exported, depsgraph, compositing.fill(layers, picture, exported, depsgraph))
+        whole = self.get_result()
         for key, value in compositing.facts(layer, exported).items():
-            self.get_result().stamp_data_add_field(key, value)
+            whole.stamp_data_add_field(key, value)
 
     def _follow(self, event: process.Event, exported: export.Export, depsgraph: Any) -> None:
         """Shows what an event of the render says."""

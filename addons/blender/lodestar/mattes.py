@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -36,6 +37,7 @@ def _scrambled(word: int) -> int:
     return _rotated(word * 0xCC9E2D51 & MASK, 15) * 0x1B873593 & MASK
 
 
+@lru_cache(maxsize=1 << 18)
 def identifier(name: str) -> int:
     """Bits of the number that stands for a name in a picture: its hash, changed where that would be no number or nearly 0."""
     found = murmur3(name.encode(errors="surrogateescape"))
@@ -56,27 +58,28 @@ class Matte(NamedTuple):
     def renamed(self, names: dict[str, str]) -> Matte:
         """Matte of which each thing has another name. Those of one name are one, and those without a name are none."""
         table = {identifier(name): identifier(new) for name, new in names.items()}
-        known = np.array(sorted(table), np.uint32)
-        if len(known) == 0:
-            return Matte(np.zeros_like(self.ids), np.zeros_like(self.shares))
-        new = np.array([table[int(each)] for each in known], np.uint32)
-        at = np.searchsorted(known, self.ids).clip(max=len(known) - 1)
-        is_known = known[at] == self.ids
-        ids, shares = np.where(is_known, new[at], 0), np.where(is_known, self.shares, 0.0)
-        for later in range(1, ids.shape[1]):
-            for first in range(later):
-                is_same = ids[:, first] == ids[:, later]
-                shares[:, first] += np.where(is_same, shares[:, later], 0.0)
-                shares[:, later][is_same] = 0.0
-        ids = np.where(shares > 0.0, ids, 0).astype(np.uint32)
+        ids = self._looked_up(table, np.uint32)
+        shares = np.where(ids != 0, self.shares, np.float32(0.0))
+        if len(set(table.values())) < len(table):
+            for later in range(1, ids.shape[1]):
+                for first in range(later):
+                    is_same = ids[:, first] == ids[:, later]
+                    shares[:, first] += np.where(is_same, shares[:, later], np.float32(0.0))
+                    shares[:, later][is_same] = 0.0
+        ids[shares == 0.0] = 0
         order = np.argsort(-shares, axis=1, kind="stable")
         return Matte(np.take_along_axis(ids, order, axis=1), np.take_along_axis(shares, order, axis=1))
 
     def numbers(self, of_names: Mapping[str, float]) -> np.ndarray:
         """Numbers of the things by their names; 0 where there is none."""
-        table = {identifier(name): value for name, value in of_names.items()}
-        found, inverse = np.unique(self.ids, return_inverse=True)
-        return np.array([table.get(int(each), 0.0) for each in found], np.float32)[inverse.reshape(self.ids.shape)]
+        return self._looked_up({identifier(name): value for name, value in of_names.items()}, np.float32)
+
+    def _looked_up(self, table: Mapping[int, float], kind: type) -> np.ndarray:
+        """Values of a table for the identifiers; 0 where it has none."""
+        known = np.array(sorted({0, *table}), np.uint32)
+        values = np.array([table.get(int(each), 0) for each in known], kind)
+        at = np.searchsorted(known, self.ids).clip(max=len(known) - 1)
+        return np.where(known[at] == self.ids, values[at], kind(0))
 
     def indices(self, of_names: Mapping[str, float]) -> np.ndarray:
         """Number of what has the largest share of each pixel; 0 where that is nothing."""
@@ -98,7 +101,7 @@ def read(picture: exr.Picture, layer: str) -> Optional[Matte]:
         return None
     numbers = np.concatenate([each.reshape(-1, 4) for each in found if each is not None], axis=1)
     ids = np.ascontiguousarray(numbers[:, 0::2], np.float32).view(np.uint32)
-    return Matte(np.where(numbers[:, 1::2] > 0.0, ids, 0), numbers[:, 1::2].copy())
+    return Matte(np.where(numbers[:, 1::2] > 0.0, ids, np.uint32(0)), numbers[:, 1::2].copy())
 
 
 def facts(layer: str, names: Iterable[str]) -> dict[str, str]:
