@@ -143,9 +143,22 @@ def _orthographic(camera: Any, course: xml.Course, size: Film, is_horizontal: bo
     from mathutils import Matrix
 
     width = camera.ortho_scale if is_horizontal else camera.ortho_scale * size.width / size.height
-    shift = Matrix.Translation((camera.shift_x * camera.ortho_scale, camera.shift_y * camera.ortho_scale, 0.0))
+    shift = _shift(camera)
     scale = Matrix.Diagonal((0.5 * width, 0.5 * width, 1.0, 1.0))
     return xml.add_course(xml.plugin("sensor", "orthographic"), course.mapped(lambda matrix: _looking(matrix @ shift) @ scale))
+
+
+def _shift(camera: Any) -> Any:
+    """Way of an orthographic camera to the place by which its shift moves it."""
+    from mathutils import Matrix
+
+    return Matrix.Translation((camera.shift_x * camera.ortho_scale, camera.shift_y * camera.ortho_scale, 0.0))
+
+
+def place(owner: Any) -> Any:
+    """Matrix of the point from which a camera measures distances."""
+    matrix = owner.matrix_world.normalized()
+    return matrix @ _shift(owner.data) if owner.data.type == "ORTHO" else matrix
 
 
 def _film(size: Film, filter_name: str) -> xml.Element:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Optional
 import bpy
 import numpy as np
 
-from . import devices, exr, export, inside, process, properties
+from . import compositing, devices, exr, export, inside, process, properties
 from .camera import Unsupported, film
 from .interactive import Interactive
 from .viewport import close_all
@@ -74,6 +74,16 @@ def start(settings: Any, chosen: Optional[Any], scene_file: Path) -> process.Pro
     return inside.Inside(package, scene_file, keywords, inside.Wanted(settings.update_every, settings.denoise))
 
 
+def start_layers(settings: Any, chosen: Optional[Any], scene_file: Path, layer: Any) -> process.Process:
+    """Starts the command that writes the layers of a view layer's passes, by the program or the package that has rendered the picture."""
+    program, device = (chosen.program.strip(), chosen.device) if chosen is not None else ("", "")
+    package = inside.package() if not program else None
+    command = [process.find(program)] if package is None else inside.command(package)
+    words = compositing.arguments(layer, scene_file, render_options(settings, device), settings.arguments)
+    environment = None if package is None else inside.environment(package)
+    return process.Process(command[0], [*command[1:], *words], scene_file.parent, compositing.LAYERS, environment)
+
+
 def preferences() -> Optional[Any]:
     """Preferences of the add-on; None where it is used as a module."""
     addon = bpy.context.preferences.addons.get(__package__)
@@ -108,12 +118,13 @@ class LodestarEngine(bpy.types.RenderEngine):
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
         """Tells the compositor which passes there are."""
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
-        for each in self._passes(scene):
+        for each in self._passes(scene, renderlayer):
             self.register_pass(scene, renderlayer, each.name, len(each.ids), each.ids, each.kind)
 
     @staticmethod
-    def _passes(scene: Any) -> list[Pass]:
-        return [each for name, each in PASSES.items() if getattr(scene.lodestar, name)]
+    def _passes(scene: Any, layer: Any) -> list[Pass]:
+        of_picture = [each for name, each in PASSES.items() if getattr(scene.lodestar, name)]
+        return of_picture + [Pass(each.name, [], each.ids, each.kind) for each in compositing.passes(layer)]
 
     def render(self, depsgraph: Any) -> None:
         """Renders one frame of one view layer."""
@@ -167,8 +178,34 @@ class LodestarEngine(bpy.types.RenderEngine):
         if running.failure is not None:
             raise ValueError(running.failure)
         picture = running.picture()
-        if picture is not None:
-            self._show(picture, exported, depsgraph)
+        if picture is None:
+            return
+        self._show(picture, exported, depsgraph)
+        if compositing.passes(depsgraph.view_layer_eval) and not stopped:
+            self._show_layers(picture, exported, depsgraph)
+
+    def _show_layers(self, picture: exr.Picture, exported: export.Export, depsgraph: Any) -> None:
+        """Fills the passes of what the camera sees first, unless the render is stopped."""
+        self.update_stats("", "Passes for compositing")
+        layer = depsgraph.view_layer_eval
+        running = start_layers(depsgraph.scene.lodestar, preferences(), exported.scene_file, layer)
+        try:
+            # The render has told the scene's warnings.
+            for _ in running.events():
+                if self.test_break():
+                    return
+        finally:
+            running.close()
+        layers = running.picture()
+        if running.failure is not None or layers is None:
+            fault = str(running.failure or "no file was written").removeprefix("lodestar: error: ")
+            raise ValueError(f"the passes for compositing are missing: {fault}")
+        if layers.size != picture.size:
+            raise ValueError(f"the passes for compositing have {layers.size} pixels, and the picture has {picture.size}")
+        self._show(picture, exported, depsgraph, compositing.fill(layers, picture, exported, depsgraph))
+        whole = self.get_result()
+        for key, value in compositing.facts(layer, exported).items():
+            whole.stamp_data_add_field(key, value)
 
     def _follow(self, event: process.Event, exported: export.Export, depsgraph: Any) -> None:
         """Shows what an event of the render says."""
@@ -185,8 +222,8 @@ class LodestarEngine(bpy.types.RenderEngine):
         elif kind == "written" and "picture" in event:
             self._show(event["picture"], exported, depsgraph)
 
-    def _show(self, picture: exr.Picture, exported: export.Export, depsgraph: Any) -> None:
-        """Fills the passes."""
+    def _show(self, picture: exr.Picture, exported: export.Export, depsgraph: Any, more: Optional[dict[str, np.ndarray]] = None) -> None:
+        """Fills the passes: those of the picture, and `more` by their names."""
         scene = depsgraph.scene
         # Blender asks for the border's window only, and puts it into the whole picture itself.
         width, height = exported.film.window[2:]
@@ -196,20 +233,20 @@ class LodestarEngine(bpy.types.RenderEngine):
         if picture.size != (width, height):
             raise ValueError(f"the picture has {picture.size} pixels, not {(width, height)}")
         known = {each.name: each for each in result.layers[0].passes}
-        wanted = [Pass("Combined", _combined(scene.lodestar, picture), "RGBA", "COLOR"), *self._passes(scene)]
+        wanted = [Pass("Combined", _combined(scene.lodestar, picture), "RGBA", "COLOR"), *self._passes(scene, depsgraph.view_layer_eval)]
         for each in wanted:
-            data = picture.layer(each.channels)
+            data = picture.layer(each.channels) if each.channels else (more or {}).get(each.name)
             if data is None or each.name not in known:
                 continue
             if each.name == "Depth":
                 data = np.where(np.isfinite(data), data, FAR)
-            known[each.name].rect.foreach_set(np.ascontiguousarray(data[::-1]).ravel())
+            known[each.name].rect.foreach_set(np.ascontiguousarray(data.reshape(height, width, -1)[::-1]).ravel())
         self.end_result(result)
 
     def _begin_result(self, depsgraph: Any, width: int, height: int) -> Optional[Any]:
         """Result with all passes, which are black."""
         layer = depsgraph.view_layer.name
-        for each in self._passes(depsgraph.scene):
+        for each in self._passes(depsgraph.scene, depsgraph.view_layer_eval):
             self.add_pass(each.name, len(each.ids), each.ids, layer=layer)
         return self.begin_result(0, 0, width, height, layer=layer)
 

@@ -17,6 +17,7 @@ from .hashes import number_of_object
 from .images import Images
 from .instances import Shapes
 from .meshes import Kept, Meshes, Part, Wanted
+from .names import Names, id_of_part
 from .nodes import Placed, Reader, Surroundings
 from .report import Report
 from .strands import Strands
@@ -45,6 +46,11 @@ class Export:
     report: Report
     film: camera.Film
     meshes_written: int
+    names: Names = field(default_factory=Names)
+    # Place of the camera in the middle of the time, and whether its rays are parallel.
+    camera_place: Any = None
+    is_orthographic: bool = False
+    has_media: bool = False
     files: set[str] = field(default_factory=set)
     # Of all but the camera, where a viewport has asked for the export.
     digest: str = ""
@@ -89,7 +95,10 @@ class _Exporter:
         self.report = Report()
         self.images = Images(folder, self.report)
         self.meshes = Meshes(folder, self.report, None if viewed is None else viewed.kept)
+        self.names = Names()
         self.materials: dict[str, materials.Material] = {}
+        # Ids of the materials by their keys.
+        self.material_ids: dict[str, str] = {}
         self.parts: dict[Any, Any] = {}
         self.hair_files = hair.Files(self.meshes, self.report)
         self.hair_places = Kept()
@@ -137,7 +146,7 @@ class _Exporter:
             xml.add(integrator, "hide_emitters", True)
         root = xml.ElementTree.Element("scene", {"version": "3.0.0"})
         definitions = [*self.images.graph.elements(self.images.used_programs), *definitions]
-        xml.with_children(root, *media, integrator, sensor, *definitions, *self.shapes.elements(), *self.emitters)
+        xml.with_children(root, *media, integrator, sensor, *definitions, *self.shapes.elements(len(self.materials)), *self.emitters)
         if environment is not None:
             xml.with_children(root, environment)
         exposure = float(getattr(getattr(scene, "cycles", None), "film_exposure", 1.0))
@@ -154,7 +163,14 @@ class _Exporter:
         files = self.meshes.used | self.images.used | self.grid_files
         _remove_unused(self.folder, files)
         digest = "" if self.viewed is None else self._digest(each for each in root if each is not sensor)
-        return Export(path, self.report, camera.film(scene.render), self.meshes.written, files, digest)
+        return Export(path, self.report, camera.film(scene.render), self.meshes.written, **self._for_compositing(), files=files, digest=digest)
+
+    def _for_compositing(self) -> dict[str, Any]:
+        """What an export says besides, for passes of what the camera sees first."""
+        if self.viewed is not None:
+            return {}
+        place, is_orthographic = camera.place(self.camera), self.camera.data.type == "ORTHO"
+        return {"names": self.names, "camera_place": place, "is_orthographic": is_orthographic, "has_media": bool(self.enclosures.elements)}
 
     def _sensor(self, scene: Any) -> tuple[xml.Element, xml.Course]:
         """`<sensor>`, and the course of the camera."""
@@ -197,6 +213,10 @@ class _Exporter:
             self._volume(owner, instance.matrix_world.copy())
         elif owner.type not in (*INVISIBLE, *DRAWN) and owner.type not in ("MESH", "VOLUME", "CURVES"):
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
+
+    def _name(self, owner: Any) -> Optional[str]:
+        """Name of an object for compositors; None in a viewport, which has none."""
+        return self.names.of_object(owner) if self.viewed is None else None
 
     def _course(self, instance: Any) -> xml.Course:
         matrix = instance.matrix_world.copy()
@@ -262,6 +282,7 @@ class _Exporter:
         if instancer is not None:
             unsupported.report_object(instancer, self.report)
         is_unseen = not owner.visible_camera or not getattr(instancer, "visible_camera", True)
+        name = self._name(owner)
         keys = [self._material(material, placed) for material in self._materials_of(owner)]
         if course.keys and any(self.materials[key].asks_for_object for key in keys):
             message = "its material asks for its place, and has that of the middle of the time in which the shutter is open"
@@ -277,7 +298,7 @@ class _Exporter:
         is_boundary = volume is not None or any(self.materials[key].below is not None for key in keys)
         region = self.enclosures.region(owner) if is_boundary else None
         if region is None:
-            self.shapes.add((shown, ()), course, lambda: [self._shape(*each) for each in shown])
+            self.shapes.add((shown, ()), course, lambda: [self._shape(*each) for each in shown], name)
             return
         if is_unseen:
             self.report.warn(f'object "{owner.name}"', unsupported.UNSEEN_VOLUME)
@@ -287,7 +308,7 @@ class _Exporter:
             sides = {key: self._sides(key, around, body) for _, key, _ in shown}
             media = tuple(tuple(side.items()) for _, key, _ in shown for side in sides[key])
             build = lambda: [xml.with_children(self._shape(*each), *copy.deepcopy(sides[each[1]])) for each in shown]  # noqa: E731
-            self.shapes.add((shown, media), course, build)
+            self.shapes.add((shown, media), course, build, name)
 
         body = Body(owner.name, region, course.matrix, volume, show)
         self.enclosures.bodies.append(body)
@@ -311,7 +332,8 @@ class _Exporter:
             is_open = hair.is_open(group, self.materials[key], owner.type == "CURVES" or not instance.show_self)
             shown.append(((self._strand_file(owner, group, key, stretch), key, is_unseen), not is_open))
         if shown:
-            self.shapes.add((tuple(shown), "strands"), course, lambda: [xml.add(self._shape(*each), "front_only", is_front) for each, is_front in shown])
+            build = lambda: [xml.add(self._shape(*each), "front_only", is_front) for each, is_front in shown]  # noqa: E731
+            self.shapes.add((tuple(shown), "strands"), course, build, self._name(owner))
 
     def _strands(self, owner: Any) -> list[Strands]:
         """Strands of an object. Instances of one object share them."""
@@ -418,7 +440,7 @@ class _Exporter:
         shape = xml.add(xml.plugin("shape", "ply"), "filename", file)
         if is_unseen:
             lights.hide([shape])
-        xml.with_children(shape, xml.ElementTree.Element("ref", {"id": key}))
+        xml.with_children(shape, xml.ElementTree.Element("ref", {"id": self.material_ids[key]}))
         if material.emission is not None:
             xml.with_children(shape, copy.deepcopy(material.emission))
         return shape
@@ -441,12 +463,13 @@ class _Exporter:
             if not found.asks_for_object:
                 own = (scaled if found.asks_for_scale else key) + (of if found.asks_for_strands or found.layout is not None else "")
             self.materials[own] = found
+            self.material_ids[own] = id_of_part(self.names.of_material(material), len(self.materials))
         return own
 
     def _definition(self, key: str) -> xml.Element:
         bsdf = self.materials[key].bsdf
         assert bsdf is not None
-        bsdf.set("id", key)
+        bsdf.set("id", self.material_ids[key])
         return bsdf
 
     # ---------------------------------------------------------------------------------------------- whole scene

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import os
 import queue
 import shlex
+import sys
 import threading
 import time
 import warnings
@@ -25,6 +27,17 @@ def package() -> Optional[Any]:
     except ImportError:
         return None
     return found if hasattr(found, "Renderer") else None
+
+
+def command(found: Any) -> list[str]:
+    """Command line of the package as a program, which runs in a process of its own."""
+    return [sys.executable, "-m", found.__name__]
+
+
+def environment(found: Any) -> dict[str, str]:
+    """Environment in which Python finds the package."""
+    folder = str(Path(found.__file__).parent.parent)
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH")]))}
 
 
 def keywords(line: str, known: list[dict[str, Any]]) -> dict[str, str | bool]:

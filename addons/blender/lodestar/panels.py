@@ -6,11 +6,11 @@ from typing import Any
 
 import bpy
 
-from . import engine, properties
+from . import compositing, engine, properties
 
 ENGINE = "LODESTAR"
 # Panels of Blender that belong to other engines' settings, although they are offered to every engine.
-EXCLUDED = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_freestyle", "RENDER_PT_simplify"}
+EXCLUDED = {"VIEWLAYER_PT_filter", "RENDER_PT_freestyle", "RENDER_PT_simplify"}
 
 # Panels that Blender offers to its own engines only, with settings that are read here, too.
 BORROWED = {
@@ -19,7 +19,10 @@ BORROWED = {
     "DATA_PT_EEVEE_light",
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_mist",
     "EEVEE_WORLD_PT_surface",
+    "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_layer_passes_cryptomatte",
 }
 
 
@@ -82,6 +85,35 @@ class LODESTAR_PT_passes(_Panel, bpy.types.Panel):
         column = layout.column()
         column.active = settings.denoise
         column.prop(settings, "combined_denoised")
+
+
+class LODESTAR_PT_layer_passes(_Panel, bpy.types.Panel):
+    """Passes of a view layer, by Blender's own switches."""
+
+    bl_label = "Data"
+    bl_context = "view_layer"
+    bl_parent_id = "VIEWLAYER_PT_layer_passes"
+
+    def draw(self, context: Any) -> None:
+        self.layout.use_property_split = True
+        for name in compositing.PASSES:
+            self.layout.prop(context.view_layer, name)
+
+
+class LODESTAR_PT_material_index(_Panel, bpy.types.Panel):
+    """Number of a material in the pass of such numbers."""
+
+    bl_label = "Settings"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return super().poll(context) and context.material is not None
+
+    def draw(self, context: Any) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop(context.material, "pass_index")
 
 
 class LODESTAR_PT_viewport(_Panel, bpy.types.Panel):
@@ -151,6 +183,8 @@ CLASSES = (
     LODESTAR_PT_motion,
     LODESTAR_PT_object_motion,
     LODESTAR_PT_passes,
+    LODESTAR_PT_layer_passes,
+    LODESTAR_PT_material_index,
     LODESTAR_PT_device,
 )
 

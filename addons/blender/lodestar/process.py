@@ -43,7 +43,7 @@ STOPPED = (130, 143)
 class Process:
     """A render by a program of its own, which writes its picture into a file."""
 
-    def __init__(self, program: str, arguments: list[str], folder: Path, picture: str) -> None:
+    def __init__(self, program: str, arguments: list[str], folder: Path, picture: str, environment: dict[str, str] | None = None) -> None:
         self._path = folder / picture
         self._path.unlink(missing_ok=True)
         self._messages: list[str] = []
@@ -51,6 +51,7 @@ class Process:
         self._process = subprocess.Popen(
             [program, *arguments],
             cwd=folder,
+            env=environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,

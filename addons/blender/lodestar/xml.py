@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
+import xml.sax.saxutils as saxutils
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, Union
 
@@ -29,6 +30,11 @@ def plugin(tag: str, kind: str, name: str | None = None, **attributes: str) -> E
     if name is not None:
         element.set("name", name)
     return element
+
+
+def quoted(text: str) -> str:
+    """Text of an attribute with its quotation marks."""
+    return saxutils.quoteattr(text)
 
 
 def number(value: float) -> str:

@@ -210,7 +210,7 @@ def test_each_object_has_its_own_coordinates(tmp_path: Path) -> None:
     scene = minimal(lambda: scenes.material("shared", shared_noise))
     scenes.plane(scene, "other", 2, bpy.data.materials["shared"], location=(0, 0, 1))
     text = exported(tmp_path).scene_file.read_text()
-    assert len(re.findall('<bsdf [^>]*id="material shared of ', text)) == 2 and text.count('type="noise_3d"') == 2
+    assert len(re.findall('<bsdf [^>]*id="shared#', text)) == 2 and text.count('type="noise_3d"') == 2
 
 
 def test_a_computed_world_is_named(tmp_path: Path) -> None:

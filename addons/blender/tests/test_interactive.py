@@ -160,7 +160,7 @@ def test_meshes_that_have_not_changed_are_not_read_again(view: View3D, monkeypat
 
     read: list[str] = []
     export = Meshes._export
-    monkeypatch.setattr(Meshes, "_export", lambda self, owner, wanted: (read.append(owner.name), export(self, owner, wanted))[1])
+    monkeypatch.setattr(Meshes, "_export", lambda self, owner, *rest: (read.append(owner.name), export(self, owner, *rest))[1])
     view.rest()
     assert len(read) == 7
     for name, wanted in (("lamp", []), ("place", []), ("material", []), ("mesh", ["ball"]), ("modifier", ["ball"])):

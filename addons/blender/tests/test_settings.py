@@ -706,7 +706,7 @@ def test_displaced_materials_differ_between_scales_only(tmp_path: Path) -> None:
         other.location, other.scale = (0, 3 + at, 0), (scale, scale, scale)
         scene.collection.objects.link(other)
     root = export.xml.ElementTree.parse(exported(tmp_path).scene_file).getroot()
-    names = {name for each in root.iter("bsdf") if (name := each.get("id", "")).startswith("material 0")}
+    names = {name for each in root.iter("bsdf") if (name := each.get("id", "")).startswith("0#")}
     assert len(names) == 2, names
 
 
