@@ -70,7 +70,7 @@ impl Layer {
     }
 }
 
-/// What is written.
+/// Order for a file of layers.
 pub struct Request<'a> {
     /// The device.
     pub context: &'a Arc<Context>,
@@ -280,8 +280,9 @@ impl<'a> Reader<'a> {
         let objects = &self.scene.objects;
         let found = match record.instance {
             NONE => objects.of_primitive(source(record.primitive)),
-            instance => objects
-                .of_instance(source(instance) - primitives, source(record.primitive) - primitives - instances),
+            instance => {
+                objects.of_instance(source(instance) - primitives, source(record.primitive) - primitives - instances)
+            }
         };
         found.unwrap_or(objects.names.len() as u32)
     }

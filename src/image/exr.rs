@@ -271,8 +271,7 @@ pub type Attributes = Vec<(String, String)>;
 /// Reads a file that [`write_layers`] has written, to the last bit: every channel and the header.
 pub fn read_layers(path: &Path) -> Result<(Layers, FileHeader)> {
     let parts = read_parts(path)?;
-    let mut header =
-        FileHeader {
+    let mut header = FileHeader {
         attributes: attributes_of(parts.iter().map(|part| &part.attributes)),
         foreign: foreign_of(parts.iter().map(|part| &part.attributes)),
         ..FileHeader::default()

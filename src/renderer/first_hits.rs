@@ -1,4 +1,4 @@
-//! What camera rays meet first, for the layers that compositors read. Paths end there: nothing is learned, and no light is gathered.
+//! First hits of camera rays, for the layers that compositors read. Paths end there: nothing is learned, and no light is gathered.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -104,7 +104,8 @@ impl FirstHits {
             recorder.copy(&self.records, 0, &self.records_read, 0, bytes);
         })?;
         if frame.read_counts()?.overruns > 0 {
-            let message = "a ray of the camera meets too many surfaces with holes in a row, or the driver has ended a loop";
+            let message =
+                "a ray of the camera meets too many surfaces with holes in a row, or the driver has ended a loop";
             return Err(Error::Render(message.into()));
         }
         self.records_read.read(0, count as usize)

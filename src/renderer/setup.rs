@@ -149,7 +149,13 @@ impl Renderer {
 
 /// Ray queries where the settings ask for them; else texel buffers where the device allows the sizes that geometry and tables need;
 /// else storage buffers.
-pub(super) fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
+pub(super) fn back_end_for(
+    context: &Context,
+    shading: &Shading,
+    bvh: &Bvh,
+    cells: &Cells,
+    settings: &Settings,
+) -> BackEnd {
     if settings.traversal == Traversal::Query {
         return BackEnd::Query;
     }

@@ -170,7 +170,7 @@ fn a_session_takes_another_view() {
     session.run(|_| std::ops::ControlFlow::Continue(())).expect("samples");
     let picture = session.picture().expect("a picture");
     assert_eq!((picture.width, picture.height, session.progress().samples), (12, 10, 6));
-    assert_eq!(picture.view, Some(lodestar::film::View::new(&camera, 12, 10)));
+    assert_eq!(picture.view, lodestar::film::View::new(&camera, 12, 10));
     assert_eq!(named(&session, "sample_ranges"), "10:0..6");
     assert_ne!(named(&session, "scene_hash"), before);
 

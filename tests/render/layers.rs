@@ -108,7 +108,7 @@ fn positions_and_coordinates() {
     }
 }
 
-/// What moves, is turned or changes its shape goes a known way over the picture, and so does all that a camera sees which moves.
+/// Shapes that move or turn go a known way over the picture, and so does all that a moving camera sees.
 #[test]
 fn motion_over_the_picture() {
     let device = Device::validated();
@@ -235,7 +235,8 @@ fn panoramas_look_all_around() {
         }
     }
     // The middle of pbrt's square is up, the middles of its sides are the horizon, and its corners are down.
-    let (found, _) = layers(&device, &panorama(r#"<string name="mapping" value="equal_area"/>"#, ball), &[Layer::Position]);
+    let (found, _) =
+        layers(&device, &panorama(r#"<string name="mapping" value="equal_area"/>"#, ball), &[Layer::Position]);
     let at = |x: usize, y: usize| {
         let position = ["position.X", "position.Y", "position.Z"].map(|name| floats(&found, name)[w * y + x]);
         DVec3::from(position.map(f64::from)).normalize()
@@ -248,7 +249,7 @@ fn panoramas_look_all_around() {
     near(at(7, 0), DVec3::Z);
 }
 
-/// What moves is followed over the picture, also over its sides.
+/// Shapes that turn are followed over the whole panorama, also over its sides.
 #[test]
 fn motion_over_a_panorama() {
     let device = Device::validated();

@@ -2,7 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles, dvec2, dvec3, vec2, vec3, vec4};
-use lodestar::generated::kernels::{CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, Variant, test};
+use lodestar::generated::kernels::{
+    CAMERA_EQUAL_AREA, CAMERA_EQUIRECTANGULAR, CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, Variant, test,
+};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
 use support::device::{Device, GROUP};
@@ -86,6 +88,12 @@ fn thin_lens() {
 #[test]
 fn orthographic() {
     rays_are_those_of_the_twin(CAMERA_ORTHOGRAPHIC);
+}
+
+#[test]
+fn panoramas() {
+    rays_are_those_of_the_twin(CAMERA_EQUIRECTANGULAR);
+    rays_are_those_of_the_twin(CAMERA_EQUAL_AREA);
 }
 
 fn of_mitsuba(near_clip: f32, far_clip: f32, world_from_camera: Mat4, raster_scale: [f32; 2]) -> SceneConstants {

@@ -109,6 +109,12 @@ fn sensors() {
     assert_eq!((orthographic.near_clip, orthographic.world_from_camera.x_axis.x), (0.5, 3.0));
     assert_eq!(orthographic.half_extent(200, 100), Vec2::new(1.0, 0.5));
     assert_eq!(camera("perspective", "").projection, Projection::Perspective);
+    let whole = Projection::Equirectangular { longitude: [-180.0, 180.0], latitude: [-90.0, 90.0] };
+    assert_eq!(camera("spherical", "").projection, whole);
+    let limits = r#"<float name="longitude_min" value="10"/><float name="longitude_max" value="90"/><float name="latitude_max" value="0"/>"#;
+    let part = Projection::Equirectangular { longitude: [10.0, 90.0], latitude: [-90.0, 0.0] };
+    assert_eq!(camera("spherical", limits).projection, part);
+    assert_eq!(camera("spherical", r#"<string name="mapping" value="equal_area"/>"#).projection, Projection::EqualArea);
 }
 
 #[test]

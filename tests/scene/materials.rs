@@ -240,7 +240,9 @@ fn masks() {
     assert!((masked.opacity.value - 0.5).abs() < 1e-6);
     let masked = surface(&format!(r#"<bsdf type="mask"><spectrum name="opacity" value="0.6"/>{RED}</bsdf>"#));
     assert!((masked.opacity.value - 0.6).abs() < 1e-6);
-    let twice = surface(&format!(r#"<bsdf type="mask"><bsdf type="mask"><float name="opacity" value="0.4"/>{RED}</bsdf></bsdf>"#));
+    let twice = surface(&format!(
+        r#"<bsdf type="mask"><bsdf type="mask"><float name="opacity" value="0.4"/>{RED}</bsdf></bsdf>"#
+    ));
     assert_eq!(twice.opacity, number(0.2));
 }
 

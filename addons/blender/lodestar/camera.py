@@ -1,4 +1,4 @@
-"""Camera: perspective with shift and depth of field, and orthographic."""
+"""Camera: perspective with shift and depth of field, orthographic, and equirectangular."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def export(camera_object: Any, course: xml.Course, scene: Any, filter_name: str,
     """`<sensor>` of a scene's camera."""
     camera, render, size = camera_object.data, scene.render, film(scene.render)
     place = f'camera "{camera_object.name}"'
-    if camera.type not in ("PERSP", "ORTHO"):
-        raise Unsupported(f"{place}: only perspective and orthographic cameras are supported, not {camera.type}")
+    if camera.type not in ("PERSP", "ORTHO", "PANO"):
+        raise Unsupported(f"{place}: only perspective, orthographic and panoramic cameras are supported, not {camera.type}")
     if render.pixel_aspect_x != render.pixel_aspect_y:
         report.warn(place, "pixels that are not square are not supported; they are taken as square")
     is_horizontal, sensor = horizontal_sensor(camera, render, size)
@@ -63,6 +63,8 @@ def export(camera_object: Any, course: xml.Course, scene: Any, filter_name: str,
         if camera.dof.use_dof:
             report.warn(place, "depth of field of an orthographic camera is not supported; the picture is sharp")
         element = _orthographic(camera, course, size, is_horizontal)
+    elif camera.type == "PANO":
+        element = _panorama(camera, course, place, report)
     else:
         element = _perspective(camera, camera_object, course, is_horizontal, sensor, shift, place, report)
     xml.add(xml.add(element, "near_clip", max(camera.clip_start, 1e-6)), "far_clip", float(camera.clip_end))
@@ -87,6 +89,8 @@ def _upright(matrix: Any, place: str, report: Report) -> Any:
 def may_see(camera_object: Any, scene: Any, points: list[Any], margin: float = 0.1) -> bool:
     """Whether a part of the hull of some points may lie within the picture. A share more on each side allows for blur."""
     camera = camera_object.data
+    if camera.type == "PANO":
+        return True
     view = camera_object.matrix_world.normalized().inverted_safe()
     frame = camera.view_frame(scene=scene)
     seen = [view @ point for point in points]
@@ -137,6 +141,20 @@ def focus(dof: Any, owner: Any) -> float:
         return max(float(dof.focus_distance), 1e-6)
     view = owner.matrix_world.normalized().inverted() @ dof.focus_object.matrix_world.translation
     return max(-view.z, 1e-6)
+
+
+def _panorama(camera: Any, course: xml.Course, place: str, report: Report) -> xml.Element:
+    """Panorama whose rows and columns are latitudes and longitudes."""
+    # Before Blender 5.0 the settings are those of Cycles.
+    settings = camera if hasattr(camera, "panorama_type") else camera.cycles
+    if settings.panorama_type != "EQUIRECTANGULAR":
+        raise Unsupported(f"{place}: panoramas are supported as Equirectangular, not as {settings.panorama_type}")
+    if camera.dof.use_dof:
+        report.warn(place, "depth of field of a panoramic camera is not supported; the picture is sharp")
+    element = xml.plugin("sensor", "spherical")
+    for name in ("longitude_min", "longitude_max", "latitude_min", "latitude_max"):
+        xml.add(element, name, math.degrees(getattr(settings, name)))
+    return xml.add_course(element, course.mapped(_looking))
 
 
 def _orthographic(camera: Any, course: xml.Course, size: Film, is_horizontal: bool) -> xml.Element:

@@ -16,8 +16,26 @@ pub(super) struct Element {
 
 /// Words that stand in almost every element.
 const COMMON: [&str; 20] = [
-    "name", "value", "type", "id", "x", "y", "z", "ref", "shape", "transform", "translate", "scale", "rotate", "angle", "matrix", "string",
-    "float", "boolean", "bsdf", "rgb",
+    "name",
+    "value",
+    "type",
+    "id",
+    "x",
+    "y",
+    "z",
+    "ref",
+    "shape",
+    "transform",
+    "translate",
+    "scale",
+    "rotate",
+    "angle",
+    "matrix",
+    "string",
+    "float",
+    "boolean",
+    "bsdf",
+    "rgb",
 ];
 
 /// A tag or the name of an attribute. Common ones take no memory of their own.

@@ -8,7 +8,16 @@ use crate::scene::description::object::MESH;
 const OTHERS: [(Kind, &[&str]); 12] = [
     (
         Kind::Sensor,
-        &["perspective", "thinlens", "orthographic", "spherical", "batch", "distant", "irradiancemeter", "radiancemeter"],
+        &[
+            "perspective",
+            "thinlens",
+            "orthographic",
+            "spherical",
+            "batch",
+            "distant",
+            "irradiancemeter",
+            "radiancemeter",
+        ],
     ),
     (Kind::Film, &["hdrfilm", "ldrfilm", "specfilm"]),
     (Kind::Rfilter, &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),

@@ -6,11 +6,11 @@ use super::media::MediumList;
 use super::properties::Properties;
 use super::scope::Scope;
 use super::transform;
-use crate::{Result, quoted};
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::description::origin::Origin;
 use crate::scene::{Camera, Course, Crop, FilmDescription, FovAxis, Motion, Projection, ReconstructionFilter};
+use crate::{Result, quoted};
 
 /// Content of a `<sensor>`.
 pub(super) struct Sensor {

@@ -43,7 +43,8 @@ pub(super) fn check(bytes: &[u8]) -> Checked<()> {
     }
     let length = bytes.len() as u64;
     let left = MOST_DECODED.min(length.saturating_mul(MOST_PER_BYTE) + MOST_BESIDE);
-    let mut layer = Layer { bytes, minor: *minor, left, visits: 4 * length + 1024, tokens: Vec::new(), strings: 0, paths: 0 };
+    let mut layer =
+        Layer { bytes, minor: *minor, left, visits: 4 * length + 1024, tokens: Vec::new(), strings: 0, paths: 0 };
     let sections = layer.sections()?;
     let at = |name: &str| sections.get(name).copied();
     let tokens = at("TOKENS").map_or(Ok(Vec::new()), |at| layer.tokens(at))?;

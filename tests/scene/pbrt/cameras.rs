@@ -71,7 +71,14 @@ fn lenses_and_parallel_rays() {
     assert_eq!(parallel.projection, Projection::Orthographic);
     // The picture's width spans x from -2 to 2.
     assert_eq!(parallel.world_from_camera.x_axis.truncate(), Vec3::new(-2.0, 0.0, 0.0));
-    refused("Camera \"spherical\"", "the camera `spherical` is not supported");
+    assert_eq!(camera("Camera \"spherical\"").projection, Projection::EqualArea);
+    let rows = camera("Camera \"spherical\" \"string mapping\" \"equirectangular\"");
+    let backwards = Projection::Equirectangular { longitude: [90.0, -270.0], latitude: [-90.0, 90.0] };
+    assert_eq!(rows.projection, backwards);
+    refused(
+        "Camera \"spherical\" \"string mapping\" \"cube\"",
+        "`mapping` is `equalarea` or `equirectangular`, not `cube`",
+    );
     refused("Camera \"realistic\"", "the camera `realistic` is not supported");
     refused("Camera \"perspective\" \"float fov\" 180", "`fov` must lie between");
     refused("Scale 1 2 1 Camera \"perspective\"", "neither shear nor scale unevenly");

@@ -199,6 +199,7 @@ fn camera(scene: &Scene, [width, height]: [u32; 2]) -> (u32, SceneConstants) {
             (CAMERA_THINLENS, [aperture_radius, focus_distance])
         }
         Projection::Orthographic => (CAMERA_ORTHOGRAPHIC, [0.0, 1.0]),
+        panorama => panic!("{panorama:?} is not measured"),
     };
     let matrix: Mat4 = camera.world_from_camera;
     let constants = SceneConstants {

@@ -2,9 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
-use glam::{DVec2, DVec3, Vec2, Vec4, dvec2};
+use glam::{DVec2, DVec3, Vec2, Vec4, dvec2, dvec3};
 use lodestar::generated::constants;
 use lodestar::generated::layout::SceneConstants;
+use lodestar::math::equal_area::square_to_sphere;
 
 use super::intersect::Ray;
 
@@ -43,6 +44,23 @@ pub fn camera_ray(camera: u32, scene: &SceneConstants, position: DVec2, u: DVec2
     if camera == constants::CAMERA_ORTHOGRAPHIC {
         let direction = vector(DVec3::Z).normalize();
         return Ray { origin: point(on_screen.extend(near)), direction, t_max: far - near };
+    }
+    let at = position / two(scene.film_size);
+    let around = match camera {
+        constants::CAMERA_EQUIRECTANGULAR => {
+            let [longitude, latitude] =
+                (two(scene.principal_point) + at * two(scene.raster_scale)).to_array().map(|angle| TAU * angle);
+            Some(dvec3(-longitude.sin() * latitude.cos(), latitude.sin(), longitude.cos() * latitude.cos()))
+        }
+        constants::CAMERA_EQUAL_AREA => {
+            let up_is_z = square_to_sphere(2.0 * at - 1.0);
+            Some(dvec3(-up_is_z.x, up_is_z.z, up_is_z.y))
+        }
+        _ => None,
+    };
+    if let Some(local) = around {
+        let direction = vector(local);
+        return Ray { origin: point(near * local), direction, t_max: far - near };
     }
     let (focus, radius) = match camera {
         constants::CAMERA_THINLENS => (f64::from(scene.focus_distance), f64::from(scene.aperture_radius)),
