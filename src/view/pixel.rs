@@ -115,7 +115,7 @@ mod tests {
     /// Picture of the plane z = 0 from a distance of 5. The film is a window of a larger one.
     fn picture(normal: [f32; 3]) -> Picture {
         let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 40.0);
-        let mut picture = Picture { view: Some(View::new(&camera, 9, 9)), ..Picture::empty(3, 3, [3, 3], [9, 9]) };
+        let mut picture = Picture { view: View::new(&camera, 9, 9), ..Picture::empty(3, 3, [3, 3], [9, 9]) };
         (picture.sample_count, picture.hit_count) = (vec![4; 9], vec![4; 9]);
         (picture.features[NORMAL], picture.features[DEPTH]) = ([normal; 9].as_flattened().to_vec(), vec![5.0; 9]);
         picture

@@ -217,8 +217,8 @@ fn panoramas_look_all_around() {
     let part = |x: f64, y: f64| [(10.0 + 80.0 * x).to_radians(), (40.0 - 60.0 * y).to_radians()];
     let limits = r#"<float name="longitude_min" value="10"/><float name="longitude_max" value="90"/><float name="latitude_min"
         value="-20"/><float name="latitude_max" value="40"/>"#;
-    let cases: [(&str, &dyn Fn(f64, f64) -> [f64; 2]); 2] = [("", &whole), (limits, &part)];
-    for (limits, angles) in cases {
+    type Angles<'a> = &'a dyn Fn(f64, f64) -> [f64; 2];
+    for (limits, angles) in [("", &whole as Angles), (limits, &part)] {
         let scene = panorama(limits, ball);
         let (found, header) = layers(&device, &scene, &[Layer::Position, Layer::Motion]);
         assert_eq!(header.film_from_world, None);

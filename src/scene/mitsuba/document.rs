@@ -8,10 +8,10 @@ use std::sync::Arc;
 use roxmltree::Node;
 
 use super::budget::{self, Budget};
-use super::element::{Element, word};
+use super::element::{Attributes, Element, word};
 use super::values::rotation_warning;
 use crate::scene::description::kinds::{Kind, Type};
-use crate::scene::description::origin::{Name, Origin};
+use crate::scene::description::origin::Origin;
 use crate::scene::faults::Faults;
 use crate::scene::folders::Folders;
 use crate::scene::formats;
@@ -195,7 +195,7 @@ impl Reader {
         Ok(())
     }
 
-    fn read_attributes(&mut self, node: Node, location: &Origin) -> Result<Box<[(Name, Box<str>)]>> {
+    fn read_attributes(&mut self, node: Node, location: &Origin) -> Result<Attributes> {
         node.attributes()
             .map(|attribute| {
                 let value = self.substitute(attribute.value(), location)?;

@@ -3,11 +3,14 @@
 use crate::scene::description::origin::{Name, Origin, snake_case};
 use crate::{Error, Result};
 
+/// Attributes by their names.
+pub(super) type Attributes = Box<[(Name, Box<str>)]>;
+
 /// One XML element. A scene may have millions, so none takes more memory than it needs.
 #[derive(Debug)]
 pub(super) struct Element {
     pub tag: Name,
-    pub attributes: Box<[(Name, Box<str>)]>,
+    pub attributes: Attributes,
     pub children: Vec<Element>,
     pub location: Origin,
     /// Whether the file is of a version before 2, which is Mitsuba 0.6's format.
