@@ -242,8 +242,8 @@ mod tests {
         let taken = load_one("path_tracer.spv", b"").expect("no kernel");
         assert!(
             taken.warnings[0].contains(
-                "the names are blend_radiance.spv, judge_noise.spv, pool_radiance.spv, refine_quadtrees.spv, \
-                 trace.query.spv, trace.spv"
+                "the names are blend_radiance.spv, first_hits.query.spv, first_hits.spv, first_hits.texel.spv, \
+                 judge_noise.spv, pool_radiance.spv"
             ),
             "{:?}",
             taken.warnings
