@@ -20,7 +20,8 @@ use mutations::{MUTATIONS, Patch};
 
 const REPOSITORY: &str = "../..";
 /// Kernels to compile. They read storage buffers, which every device has.
-const KERNELS: [&str; 18] = [
+const KERNELS: [&str; 19] = [
+    "glsl/kernels/layers/first_hits.comp",
     "glsl/kernels/noise/judge_noise.comp",
     "glsl/kernels/trace/trace.comp",
     "glsl/kernels/wave/wave_extend.comp",
