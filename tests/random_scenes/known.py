@@ -31,10 +31,11 @@ def relief_without_uv(root):
     return any(_bsdfs(shape, "bumpmap", "normalmap") and "alpha_u" in [each.get("name") for each in shape.iter("float")] for shape in meshes)
 
 
-def blended_conductors(root):
-    """A blend of two conductors is brighter than both parts."""
+def blended_smooth_part(root):
+    """A blend of two conductors, or of a smooth part and another: its samples have other weights than their density says."""
+    smooth = ("conductor", "dielectric", "thindielectric", "plastic", "mask", "null")
     blends = _bsdfs(root, "blendbsdf")
-    return any(len(_bsdfs(blend, "conductor", "roughconductor")) >= 2 for blend in blends)
+    return any(_bsdfs(blend, *smooth) or len(_bsdfs(blend, "conductor", "roughconductor")) >= 2 for blend in blends)
 
 
 def turned_sphere_lamp(root):
@@ -61,7 +62,7 @@ def leaking_cube(root):
     return any(lamp.get("type") == "cube" and _value(lamp, "flip_normals") == "true" for lamp in lamps)
 
 
-KNOWN = [mirrored_bump, relief_without_uv, blended_conductors, turned_sphere_lamp, textured_cube_lamp, hidden_lamp_lifts_clip, leaking_cube]
+KNOWN = [mirrored_bump, relief_without_uv, blended_smooth_part, turned_sphere_lamp, textured_cube_lamp, hidden_lamp_lifts_clip, leaking_cube]
 
 
 def cases(root):
