@@ -50,6 +50,12 @@ def textured_cube_lamp(root):
     return any(list(emitter.iter("texture")) for lamp in lamps for emitter in lamp.iter("emitter"))
 
 
+def attributes_in_instances(root):
+    """Vertex colors of a mesh that an instance shows are others than those of the mesh."""
+    groups = [shape for shape in root.iter("shape") if shape.get("type") == "shapegroup"]
+    return any(texture.get("type") == "mesh_attribute" for group in groups for texture in group.iter("texture"))
+
+
 def hidden_lamp_lifts_clip(root):
     """A hidden lamp lifts `far_clip` for what is behind it."""
     hides = any(_value(integrator, "hide_emitters") == "true" for integrator in root.iter("integrator"))
@@ -62,7 +68,7 @@ def leaking_cube(root):
     return any(lamp.get("type") == "cube" and _value(lamp, "flip_normals") == "true" for lamp in lamps)
 
 
-KNOWN = [mirrored_bump, relief_without_uv, blended_smooth_part, turned_sphere_lamp, textured_cube_lamp, hidden_lamp_lifts_clip, leaking_cube]
+KNOWN = [mirrored_bump, relief_without_uv, blended_smooth_part, turned_sphere_lamp, textured_cube_lamp, attributes_in_instances, hidden_lamp_lifts_clip, leaking_cube]
 
 
 def cases(root):
