@@ -12,17 +12,16 @@
 //! Positions, coordinates and motion are means over the samples of the object that most samples of a pixel meet, because a mean over several
 //! objects lies on none of them. They are 0 where no sample meets anything.
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DMat4, DVec2, DVec3, Vec3};
 
 use crate::Result;
 use crate::encode::bvh::Bvh;
 use crate::film::View;
-use crate::film::matte::{self, Coverage, RANKS, ranked};
+use crate::film::matte::{self, Count, Coverage, RANKS, ranked};
 use crate::generated::constants::NONE;
 use crate::generated::layout::FirstHitRecord;
 use crate::gpu::Context;
@@ -30,7 +29,7 @@ use crate::image::columns::{Column, Columns, Rows, ValueAt};
 use crate::image::exr::{self, FileHeader};
 use crate::image::rows_at_a_time;
 use crate::renderer::first_hits::FirstHits;
-use crate::scene::objects::name_of_id;
+use crate::scene::objects::{Names, name_of_id};
 use crate::scene::{Camera, Projection, Scene};
 use crate::settings::Settings;
 
@@ -203,10 +202,10 @@ impl Mattes {
         matte::attributes(self.layer, &names)
     }
 
-    /// Shares of a pixel, given the indices of the names that some of its `samples` samples met.
-    fn coverage(&self, met: impl Iterator<Item = u32>, samples: usize) -> [Coverage; RANKS] {
+    /// Shares of a pixel, given how many of its `samples` samples met which names.
+    fn coverage(&self, met: &[Count], samples: usize) -> [Coverage; RANKS] {
         let mut found = [Coverage::default(); RANKS];
-        for (coverage, count) in found.iter_mut().zip(ranked(met)) {
+        for (coverage, count) in found.iter_mut().zip(met) {
             *coverage = Coverage { id: self.ids[count.object as usize], share: count.samples as f32 / samples as f32 };
         }
         found
@@ -218,8 +217,9 @@ struct Reader<'a> {
     scene: &'a Scene,
     bvh: &'a Bvh,
     size: DVec2,
-    /// The camera where the shutter opens and where it closes.
-    cameras: [Camera; 2],
+    /// Matrices of the camera where the shutter opens and where it closes: from the world to the film or, for a panorama, to the camera's
+    /// own space.
+    from_world: [DMat4; 2],
     objects: Mattes,
     materials: Mattes,
     /// Index of each material's name.
@@ -228,26 +228,22 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(scene: &'a Scene, bvh: &'a Bvh, settings: &Settings) -> Self {
-        let cameras = [0.0, 1.0].map(|time| {
+        let from_world = [0.0, 1.0].map(|time| {
             let moved = scene.camera_motion.as_ref().map(|motion| motion.at(time).as_mat4());
-            Camera { world_from_camera: moved.unwrap_or(scene.camera.world_from_camera), ..scene.camera }
+            let camera = Camera { world_from_camera: moved.unwrap_or(scene.camera.world_from_camera), ..scene.camera };
+            let own = || camera.world_from_camera.as_dmat4().inverse();
+            View::new(&camera, settings.width, settings.height).map_or_else(own, |view| view.film_from_world.as_dmat4())
         });
-        let mut known: HashMap<&str, u32> = HashMap::new();
-        let mut names: Vec<Arc<str>> = Vec::new();
-        let mut index_of = |name: &'a str| {
-            *known.entry(name).or_insert_with(|| {
-                names.push(name.into());
-                names.len() as u32 - 1
-            })
-        };
-        let material_names = scene.materials.iter().map(|material| index_of(name_of_id(&material.name))).collect();
+        let mut names = Names::default();
+        let material_names =
+            scene.materials.iter().map(|material| names.index(&name_of_id(&material.name).into())).collect();
         Self {
             scene,
             bvh,
             size: DVec2::new(settings.width.into(), settings.height.into()),
-            cameras,
+            from_world,
             objects: Mattes::new(OBJECTS, scene.objects.names.clone()),
-            materials: Mattes::new(MATERIALS, names),
+            materials: Mattes::new(MATERIALS, names.into_list()),
             material_names,
         }
     }
@@ -256,7 +252,8 @@ impl<'a> Reader<'a> {
     fn pixel(&self, records: &[FirstHitRecord]) -> Pixel {
         let met = || records.iter().filter(|record| record.primitive != NONE);
         let objects: Vec<u32> = met().map(|record| self.object(record)).collect();
-        let Some(most) = ranked(objects.iter().copied()).first().copied() else { return Pixel::default() };
+        let counts = ranked(objects.iter().copied());
+        let Some(&most) = counts.first() else { return Pixel::default() };
         let (mut position, mut uv, mut motion) = (DVec3::ZERO, DVec2::ZERO, DVec2::ZERO);
         for (record, _) in met().zip(&objects).filter(|&(_, &object)| object == most.object) {
             position += Vec3::from(record.position).as_dvec3();
@@ -268,8 +265,8 @@ impl<'a> Reader<'a> {
             position: (per_sample * position).as_vec3().into(),
             uv: (per_sample * uv).as_vec2().into(),
             motion: (per_sample * motion).as_vec2().into(),
-            objects: self.objects.coverage(objects.iter().copied(), records.len()),
-            materials: self.materials.coverage(met().map(|record| self.material(record)), records.len()),
+            objects: self.objects.coverage(&counts, records.len()),
+            materials: self.materials.coverage(&ranked(met().map(|record| self.material(record))), records.len()),
         }
     }
 
@@ -294,8 +291,8 @@ impl<'a> Reader<'a> {
 
     /// Way of the point over the picture, in pixels to the right and up; 0 where the camera does not see one of its ends.
     fn motion(&self, record: &FirstHitRecord) -> DVec2 {
-        let ends = [(&self.cameras[0], record.opening), (&self.cameras[1], record.closing)];
-        let [Some(opening), Some(closing)] = ends.map(|(camera, point)| self.on_film(camera, point)) else {
+        let ends = [(&self.from_world[0], record.opening), (&self.from_world[1], record.closing)];
+        let [Some(opening), Some(closing)] = ends.map(|(matrix, point)| self.on_film(matrix, point)) else {
             return DVec2::ZERO;
         };
         let mut way = closing - opening;
@@ -308,18 +305,18 @@ impl<'a> Reader<'a> {
     }
 
     /// Place of a point on the film, in film widths and heights from the top left corner; `None` where the camera does not see it.
-    fn on_film(&self, camera: &Camera, point: [f32; 3]) -> Option<DVec2> {
+    fn on_film(&self, from_world: &DMat4, point: [f32; 3]) -> Option<DVec2> {
         let point = Vec3::from(point).as_dvec3();
-        let place = match camera.projection {
+        let place = match self.scene.camera.projection {
             Projection::Equirectangular { longitude: [left, right], latitude: [bottom, top] } => {
-                let own = camera.world_from_camera.as_dmat4().inverse().transform_point3(point).normalize_or_zero();
+                let own = from_world.transform_point3(point).normalize_or_zero();
                 let longitude = (-own.x).atan2(own.z).to_degrees() - f64::from(left);
                 let latitude = f64::from(top) - own.y.asin().to_degrees();
                 DVec2::new(longitude / f64::from(right - left), latitude / f64::from(top - bottom))
             }
+            Projection::EqualArea => return None,
             _ => {
-                let view = View::new(camera, self.size.x as u32, self.size.y as u32)?;
-                let on_film = view.film_from_world.as_dmat4() * point.extend(1.0);
+                let on_film = *from_world * point.extend(1.0);
                 (on_film.w > 0.0).then(|| on_film.truncate().truncate() / on_film.w)?
             }
         };

@@ -44,7 +44,7 @@ fn of_run(runs: &[Run], index: usize) -> Option<u32> {
 
 /// Names with their indices.
 #[derive(Default)]
-pub(in crate::scene) struct Names {
+pub(crate) struct Names {
     list: Vec<Arc<str>>,
     known: HashMap<Arc<str>, u32>,
 }

@@ -85,7 +85,7 @@ impl Tree {
         }
     }
 
-    /// Puts a `mask` around the material. What scatters light within two masks is opaque in both.
+    /// Puts a `mask` around the material. The opacities of masks that lie within each other are multiplied.
     pub fn masked(self, opacity: Textured<f32>) -> Result<Self, &'static str> {
         self.map(&|surface| {
             let inner = surface.opacity;
